@@ -7,6 +7,7 @@ from .answers.results import open_sweep as open_sweep
 from .answers.simulated_points import points as points
 from .answers.simulated_points import points_with_warnings as points_with_warnings
 from .answers.simulated_points import temperatures as temperatures
+from .faults import SceneFileError as SceneFileError
 from .figures.plot import plot as plot
 from .page.report import report as report
 from .run.estimate import estimate as estimate
@@ -14,7 +15,6 @@ from .run.run_sweep import run_sweep as run_sweep
 from .run.sensitivity import sensitivity as sensitivity
 from .run.trade import trade as trade
 from .run.work import ExecutionError as ExecutionError
-from .scene.faults import SceneFileError as SceneFileError
 from .scene.new import new_scene as new_scene
 from .scene.scene_file import load_scene as load_scene
 from .scene.scene_file import run_point as run_point

@@ -63,6 +63,7 @@ def store_path_of(path: str | PathLike[str]) -> str | PathLike[str]:
 
     An existing path of this name has precedence.
     """
+    require_path(path)
     store_path = Path(path)
     is_name = str(path) == store_path.name and not store_path.suffix
     in_results = Path("results") / f"{store_path.name}.zarr"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -37,7 +36,7 @@ from pipeline.answers.verdict_model import (
     VerdictModel,
     verdict_model,
 )
-from pipeline.arguments import in_si, typed_arguments
+from pipeline.kinds import LOAD, VELOCITY
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.location import PathLike
@@ -50,7 +49,6 @@ from tribo.types import Array, Indices
 _BATCH_SIZE = 4000  # operating points evaluated at once, with about 100 MB of memory
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def margin(
     ds: xr.Dataset | PathLike,
@@ -123,8 +121,8 @@ def margin(
         missing = "load" if load is None else "velocity"
         raise InputError(f"{missing} is missing; give both a load and a velocity, or a table")
     points = {
-        name: argument_array(name, values, functools.partial(in_si, name, like=like), "place")
-        for name, values, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
+        name: argument_array(name, values, kind.in_si, "place")
+        for name, values, kind in (("load", load, LOAD), ("velocity", velocity, VELOCITY))
         if values is not None
     }
     overrides = condition_arrays(conditions)
@@ -259,7 +257,6 @@ def _mild_limits(
     return columns
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def boundary(
     ds: xr.Dataset | PathLike,

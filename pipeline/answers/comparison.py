@@ -16,13 +16,11 @@ from pipeline.answers.results import cases_of
 from pipeline.answers.scene_wording import model_words
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.verdict_model import verdict_model
-from pipeline.arguments import typed_arguments
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.store.location import PathLike
 from tribo import InputError
 
 
-@typed_arguments
 def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Compare the tests of a scene with the model, each at its own conditions, along ``test``.
 
@@ -82,7 +80,6 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     )
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Find the critical temperature of the lubricant from the tests of a scene.

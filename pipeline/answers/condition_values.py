@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypedDict
@@ -11,14 +9,13 @@ from typing import Any, NamedTuple, TypedDict
 import numpy as np
 import xarray as xr
 
-from pipeline.arguments import in_share, in_si, plain_value
+from pipeline.arguments import plain_value
+from pipeline.kinds import CONDITION_KINDS
 from pipeline.messages import did_you_mean
-from pipeline.quantities import display
-from pipeline.sweep.case import OIL_WORKS, PATHS, Conditions
+from pipeline.sweep.case import PATHS, Conditions
 from tribo import InputError
 from tribo.types import Array
 
-_COLDEST, _HOTTEST = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 CONDITION_NAMES = tuple(PATHS)
 """Conditions that answers take as keywords."""
 ConditionValue = float | str | Sequence[float | str] | np.ndarray[Any, Any] | xr.DataArray
@@ -81,7 +78,7 @@ def condition_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     for name, value in overrides.items():
         if value is None:
             continue
-        arrays[name] = argument_array(name, value, functools.partial(_to_si, name), name)
+        arrays[name] = argument_array(name, value, _condition, name)
         if arrays[name].dims == (name,) and not isinstance(value, xr.DataArray):
             values = arrays[name].values.tolist()
             if len(values) != len({*values}):
@@ -90,8 +87,10 @@ def condition_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     return arrays
 
 
-def argument_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) -> xr.DataArray:
-    """Array of the values of an argument, converted by `read`; a list has the dimension `dim`."""
+def argument_array(
+    name: str, value: Any, read: Callable[[str, Any], Any], dim: str
+) -> xr.DataArray:
+    """Array of the values of an argument, read with its name; a list has the dimension `dim`."""
     plain = plain_value(name, value)
     shape = value.shape if isinstance(value, xr.DataArray) else _shape_of(name, plain)
     values = np.array(plain, object).reshape(shape)
@@ -99,7 +98,7 @@ def argument_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) 
         raise InputError(f"{name} is empty; give at least one value")
     converted = np.empty(values.shape, object)
     for index, item in np.ndenumerate(values):
-        converted[index] = read(item)
+        converted[index] = read(name, item)
     if None not in converted.ravel().tolist():
         converted = converted.astype(float)
     if isinstance(value, xr.DataArray):
@@ -116,25 +115,9 @@ def _shape_of(name: str, plain: Any) -> tuple[int, ...]:
     return (len(plain),)
 
 
-def _to_si(name: str, value: Any) -> float | None:
-    """A value in SI; None, for the value of the scene, remains None."""
-    if value is None:
-        return None
-    if name in ("bulk_temperature", "critical_temperature"):
-        return _oil_temperature(name, value)
-    return in_share(name, value)
-
-
-def _oil_temperature(name: str, value: Any) -> float:
-    kelvin = in_si(name, value, "80 degC")
-    hottest = _HOTTEST if name == "bulk_temperature" else math.inf
-    if kelvin < _COLDEST or hottest < kelvin < math.inf:
-        in_kelvins = "" if isinstance(value, str) else "a number is in kelvins; "
-        raise InputError(
-            f"{name} is {display(kelvin, '°C', 4)} ({kelvin:g} K), at which no oil works; "
-            f'{in_kelvins}give a temperature such as "80 degC"'
-        )
-    return float(kelvin)
+def _condition(name: str, value: Any) -> float | None:
+    """A condition in SI; None, for the value of the scene, remains None."""
+    return None if value is None else float(CONDITION_KINDS[name].argument(name, value))
 
 
 def arguments_of_case(

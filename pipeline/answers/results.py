@@ -6,6 +6,7 @@ A case is one combination of varied entries. Its random surfaces are realization
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -22,7 +23,6 @@ from pipeline.answers.case_results import (
     require_unit,
 )
 from pipeline.answers.scene_wording import value_words
-from pipeline.arguments import typed_arguments
 from pipeline.paths import store_path_of
 from pipeline.store.dataset import open_store, with_sweep_and_tests
 from pipeline.store.location import PathLike
@@ -54,7 +54,6 @@ _decoded_sweeps = dict[tuple[str, str], Sweep]()
 """Sweeps by their text and the digests of their arrays."""
 
 
-@typed_arguments
 def open_sweep(path: PathLike) -> xr.Dataset:
     """Open a stored sweep.
 
@@ -92,6 +91,11 @@ def dataset_of(source: xr.Dataset | PathLike, without_tests: bool = False) -> xr
 
     Answers leave the tests of the scene out if `without_tests` is True.
     """
+    if not isinstance(source, xr.Dataset | str | os.PathLike):
+        raise InputError(
+            f"ds is of type {type(source).__name__}; give a Dataset of pipeline.open_sweep, or the "
+            "path of a store"
+        )
     ds = source if isinstance(source, xr.Dataset) else open_sweep(source)
     return ds.assign_attrs(without_tests="yes") if without_tests else ds
 
@@ -103,7 +107,6 @@ def ascending(ds: xr.Dataset) -> xr.Dataset:
     return ds.sortby(falling) if falling else ds  # with an empty list it would copy `ds`
 
 
-@typed_arguments
 def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """Select the end of each point: the step at the point's nominal load.
 

@@ -15,7 +15,6 @@ from pipeline.answers.condition_values import ConditionValues, override_conditio
 from pipeline.answers.results import cases_of, dataset_of, sweeps_of
 from pipeline.answers.scene_wording import named_value
 from pipeline.answers.verdict_model import conditions_of, verdict_model
-from pipeline.arguments import typed_arguments
 from pipeline.store.location import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
 from pipeline.sweep.case import allowable_rise
@@ -31,7 +30,6 @@ _MEANINGS = {
 }
 
 
-@typed_arguments
 def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Table of simulated points: mild, severe, failed or pending, on each surface realization.
 
@@ -86,7 +84,6 @@ class WarnedPoints:
             yield f"warning: at {self.example}"
 
 
-@typed_arguments
 def points_with_warnings(ds: xr.Dataset | PathLike) -> WarnedPoints:
     """Count the points of a sweep that carry a warning, such as too few elements in contact.
 
@@ -111,7 +108,6 @@ def points_with_warnings(ds: xr.Dataset | PathLike) -> WarnedPoints:
     return WarnedPoints(count, {k.label: counts[k] for k in WarningKind if counts[k]}, example)
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Temperatures of the contact at each step of each point.

@@ -182,7 +182,7 @@ def _add_commands_on_scenes(commands: Any) -> None:
         help="simulate again the points that failed in an earlier run")
     run.add_argument("-n", "--dry-run", action="store_true",
         help="describe the sweep as irg check does, and simulate nothing")
-    run.add_argument("--accuracy", metavar="BOUND", type=values.share,
+    run.add_argument("--accuracy", metavar="BOUND", type=values.accuracy,
         help="compute until the numerical error of the boundary is below this, such as 2%%; the "
         "run chooses preset, points and surface realizations")
 
@@ -229,7 +229,7 @@ def _add_commands_on_scenes(commands: Any) -> None:
         "contact width measured at --load and --velocity; prints the specific wear rate instead")
     _add_quantity(infer, "--duration", "T", "8 s",
         "sliding time before the width was measured, ramp included; default: from the scene")
-    _add_condition(infer, "--bulk-temperature", "T", str,
+    _add_condition(infer, "--bulk-temperature", "T",
         'temperature of the bodies far from the contact, like "25 degC"')
     _add_output(infer, "file of the table, .csv, .md or .json", TABLES)
     _add_load_and_velocity(infer)
@@ -351,20 +351,21 @@ def _add_without_tests(parser: Any) -> None:
         help="ignore the tests of the scene")
 
 
-def _add_condition(parser: Any, name: str, metavar: str, read: Any, text: str) -> None:
+def _add_condition(parser: Any, name: str, metavar: str, text: str) -> None:
+    read = partial(values.condition, name=name.removeprefix("--").replace("-", "_"))
     parser.add_argument(name, metavar=metavar, type=read, action="append", default=[],
         help=f"{text}; can be repeated")
 
 
 def _add_conditions(parser: Any) -> None:
     conditions = parser.add_argument_group("conditions that replace those of the scene")
-    _add_condition(conditions, "--friction", "MU", values.number,
+    _add_condition(conditions, "--friction", "MU",
         "coefficient of friction, at least 0")
-    _add_condition(conditions, "--bulk-temperature", "T", str,
+    _add_condition(conditions, "--bulk-temperature", "T",
         'temperature of the bodies far from the contact, like "25 degC"')
-    _add_condition(conditions, "--critical-temperature", "T", str,
+    _add_condition(conditions, "--critical-temperature", "T",
         'temperature above which the lubricant fails, like "145 degC"')
-    _add_condition(conditions, "--critical-area-fraction", "F", str,
+    _add_condition(conditions, "--critical-area-fraction", "F",
         "critical area fraction: wear is severe if more of the contact is above the critical "
         "temperature, such as 10%%; 0 for the highest temperature")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import tomllib
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Sequence
@@ -32,15 +31,10 @@ def _refusing(read: Callable[..., T]) -> Callable[..., T]:
 
 @_refusing
 def quantity(text: str, like: str) -> float:
-    """Convert text such as `like`, a quantity above 0, to SI."""
-    from pipeline.units import to_si
+    """Read a quantity above 0 in SI, by the kind of which `like` is an example."""
+    from pipeline.kinds import Quantity
 
-    try:
-        value = to_si(text, like)
-    except ValueError as error:
-        raise ValueError(f'{error}; example: "{like}"') from error
-    if not 0 < value < math.inf:
-        raise ValueError(f'"{text}" must be above 0, such as "{like}"')
+    value: float = Quantity(like).value(text)
     return value
 
 
@@ -59,18 +53,20 @@ def count(text: str, minimum: int = 1) -> int:
 
 
 @_refusing
-def number(text: str) -> float:
-    """Read a number without a unit, such as 0.12 or 12%."""
-    from pipeline.units import share_of
+def condition(text: str, name: str) -> str:
+    """Check the text of a condition, which is read at its use: by a scene, or by answers."""
+    from pipeline.kinds import CONDITION_KINDS
 
-    return share_of(text)
+    CONDITION_KINDS[name].value(text)
+    return text
 
 
 @_refusing
-def share(text: str) -> float:
-    """Read a share between 0 and 1, such as 2% or 0.02."""
-    if not 0 < (value := number(text)) < 1:
-        raise ValueError(f'"{text}" is not a fraction between 0 and 1, such as 2%')
+def accuracy(text: str) -> float:
+    """Read the goal of a run, such as 2% or 0.02."""
+    from pipeline.kinds import ACCURACY
+
+    value: float = ACCURACY.value(text)
     return value
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,11 +30,11 @@ from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import named_value
 from pipeline.answers.value_text import attribute_texts
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED, UNKNOWN, VERDICTS
-from pipeline.arguments import in_load_or_velocity
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
 from pipeline.figures.tests_figure import UNDECIDED_LABEL, mark_tests
+from pipeline.kinds import LOAD, VELOCITY, Kind
 from pipeline.messages import split_notes
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
@@ -106,7 +105,8 @@ def diagram(
 
 def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[OperatingPoint]:
     """Operating points in SI, from loads and velocities that are pairs."""
-    loads, velocities = _values_in_si("load", load), _values_in_si("velocity", velocity)
+    loads = _values_in_si("load", load, LOAD)
+    velocities = _values_in_si("velocity", velocity, VELOCITY)
     if len(loads) != len(velocities):
         raise InputError(
             f"loads ({len(loads)}) and velocities ({len(velocities)}) cannot be paired; give equal "
@@ -115,12 +115,11 @@ def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[Operat
     return [*zip(loads, velocities, strict=True)]
 
 
-def _values_in_si(axis: str, values: Any) -> list[float]:
+def _values_in_si(axis: str, values: Any, kind: Kind) -> list[float]:
     """Loads or velocities of an option, in SI; an empty list without any."""
     if values is None or not np.size(values):
         return []
-    read = partial(in_load_or_velocity, axis)
-    numbers: list[float] = argument_array(axis, values, read, axis).values.ravel().tolist()
+    numbers: list[float] = argument_array(axis, values, kind.argument, axis).values.ravel().tolist()
     return numbers
 
 

@@ -13,12 +13,12 @@ from matplotlib.figure import Figure
 
 from pipeline.answers.condition_values import CONDITION_NAMES, ConditionValues
 from pipeline.answers.results import dataset_of, sweep_of
-from pipeline.arguments import in_si, typed_arguments
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows_figure import rows
 from pipeline.figures.study_figures import draw_sensitivities, draw_trade
 from pipeline.figures.tests_figure import draw_tests
+from pipeline.kinds import Quantity
 from pipeline.paths import FIGURES, writable_path
 from pipeline.run.trade import Trade
 from pipeline.store.schema import PLANE
@@ -42,8 +42,9 @@ KINDS: dict[str, Callable[..., Figure]] = {
 }
 """Function that draws each kind of figure of a sweep."""
 
+_WIDTH = Quantity("8.5 cm", ends=("4 cm", "100 cm"))
 
-@typed_arguments
+
 @np.errstate(under="ignore")
 def plot(
     ds: Any,
@@ -122,6 +123,7 @@ def plot(
             f"{kind or default_kind} has no option {unknown[0]!r}; available: {available}"
         )
     path = None if out is None else writable_path(out, FIGURES)
-    with style.fitted(None if width is None else in_si("width", width, "1 m"), plain, dpi):
+    width_in_si = None if width is None else _WIDTH.argument("width", width)
+    with style.fitted(width_in_si, plain, dpi):
         figure = draw(*inputs, **kind_options)
         return figure if path is None else style.save_figure(figure, path, scene)

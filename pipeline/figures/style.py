@@ -71,8 +71,6 @@ def fitted(
     If `plain`, they have neither titles nor captions. Text and marks shrink less than the figure,
     at most to two thirds. So narrow figures are taller in proportion.
     """
-    if width is not None and not 0.04 <= width <= 1.0:
-        raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
     if dpi is not None:
         require_number(dpi=dpi)
         if not _MIN_DPI <= dpi <= _MAX_DPI:

@@ -51,7 +51,6 @@ from pipeline.answers.results import case_dims, cases_of, dataset_of, refuse_cas
 from pipeline.answers.sensitivity_answer import sensitivity_answer
 from pipeline.answers.value_text import code_text, verdict_text
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
-from pipeline.arguments import typed_arguments
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows_figure import draw_rows, most_critical_row
 from pipeline.figures.study_figures import draw_sensitivities
@@ -129,7 +128,6 @@ class Page(NamedTuple):
     appendix: list[Section]
 
 
-@typed_arguments
 def report(
     ds: xr.Dataset | PathLike,
     load: float | str | None = None,

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from pipeline.arguments import in_count, typed_arguments
+from pipeline.kinds import WORKERS
 from pipeline.scene.scene_file import SceneLike, sweep_of
 from pipeline.scene.variants import expected_variants
 from pipeline.sweep.plan import Task, choose_stored_steps, tasks, with_sweep_of_tests
@@ -44,7 +44,6 @@ class Estimate:
     seconds: float  #: Rough wall time on an idle machine, from steps timed on this machine [s].
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     """Estimate the cost of a whole sweep, by timing a few of its steps on this machine.
@@ -73,7 +72,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     from dask.system import cpu_count  # takes 0.14 s
 
     if workers is not None:
-        workers = in_count("workers", workers)
+        workers = WORKERS.argument("workers", workers)
     sweep, available = sweep_of(sweep), cpu_count()
     workers = workers or available
     cases = sweep.case_table.without_surfaces.names

@@ -21,7 +21,7 @@ from pipeline.answers.error import (
 )
 from pipeline.answers.results import ascending, cases_of
 from pipeline.answers.verdict_model import verdict_model
-from pipeline.arguments import in_share
+from pipeline.kinds import ACCURACY
 from pipeline.progress import Progress, Report
 from pipeline.run.search import MOST_REALIZATIONS, Goal, Search
 from pipeline.scene.entries import entry_at
@@ -125,12 +125,7 @@ class GoalPlan:
         accuracy: float | str,
         report: Report,
     ) -> None:
-        self.accuracy = in_share("accuracy", accuracy)
-        if not 0 < self.accuracy < 1:
-            raise InputError(
-                f"accuracy is {accuracy!r}; give the relative error of the boundary, between 0 and "
-                '1, such as 0.02 or "2%"'
-            )
+        self.accuracy: float = ACCURACY.argument("accuracy", accuracy)
         require_boundary(sweep)
         if before is None and sweep.steps is None:
             sweep = replace(sweep, steps="end")  # no earlier step governs

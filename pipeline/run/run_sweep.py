@@ -14,7 +14,7 @@ import xarray as xr
 from dask.system import cpu_count
 from distributed import Client
 
-from pipeline.arguments import in_count, typed_arguments
+from pipeline.kinds import WORKERS
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.boundary_variants import with_variants
 from pipeline.run.cluster import PATIENCE, connected
@@ -52,7 +52,6 @@ class RunSummary:
     tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def run_sweep(
     sweep: Sweep | PathLike,
@@ -126,7 +125,7 @@ def run_sweep(
     """
     report = progress or silent
     if workers is not None:
-        workers = in_count("workers", workers)
+        workers = WORKERS.argument("workers", workers)
     require_positive(patience=patience)
     _require_cluster(client)
     sweep = sweep_of(sweep)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from pipeline.answers.results import cases_of
 from pipeline.answers.sensitivity_answer import sensitivity_answer
-from pipeline.arguments import in_count, in_load_or_velocity, typed_arguments
+from pipeline.kinds import LOAD, VELOCITY, WORKERS
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.boundary_variants import governing_row
 from pipeline.run.goal import reason_surface_is_fixed, require_boundary, search_of
@@ -26,7 +26,6 @@ _SEARCH_ERROR = 0.05  # of the critical velocity at which sensitivities are comp
 _SAME_WITHIN = 0.005  # relative, for the load and velocity of a row
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def sensitivity(
     scene: SceneLike,
@@ -82,13 +81,13 @@ def sensitivity(
     0.02
     """
     if workers is not None:
-        workers = in_count("workers", workers)
+        workers = WORKERS.argument("workers", workers)
     sweep, report = sweep_of(scene), progress or silent
     store = Path("results") / f"{sweep.name}-sensitivity.zarr" if out is None else out
     if velocity is not None and load is None:
         raise InputError("a velocity needs a load; give both")
-    load_in_si = None if load is None else in_load_or_velocity("load", load)
-    velocity_in_si = None if velocity is None else in_load_or_velocity("velocity", velocity)
+    load_in_si = None if load is None else LOAD.argument("load", load)
+    velocity_in_si = None if velocity is None else VELOCITY.argument("velocity", velocity)
     study = _study_of(sweep)
     if sweep.case_table.column("load") is not None:
         point = _row_at(study, load_in_si, velocity_in_si)

@@ -18,7 +18,6 @@ import pandas as pd
 from pipeline.answers.error import curve_errors, exponents, preset_error_of, presets_for, total
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.answers.specimen import realizations_share
-from pipeline.arguments import typed_arguments
 from pipeline.constants import RISE_EXPONENT
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
@@ -73,7 +72,6 @@ class Trade:
         return "\n".join([head, "", *lines_of(self.table), "", note])
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def trade(
     scene: SceneLike,

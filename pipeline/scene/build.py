@@ -13,11 +13,11 @@ from scipy.fft import next_fast_len
 
 import tribo
 from pipeline.constants import BIAS_WITHOUT_INPUTS
+from pipeline.faults import Faults
 from pipeline.paths import user_path
 from pipeline.quantities import display
 from pipeline.scene.checks import disc_of, misfits, track_length, track_misfits
 from pipeline.scene.entries import Entries, entry_at, replace_values
-from pipeline.scene.faults import Faults
 from pipeline.scene.format import (
     USUAL_PRESET,
     Archard,

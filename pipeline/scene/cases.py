@@ -6,16 +6,18 @@ A case is read as if its values were in the file, or set by ``--set``.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
+from pipeline.faults import Faults
+from pipeline.kinds import LOAD, POINT_KINDS, SPEED, faults_in
 from pipeline.limits import MAX_CASES, MAX_ON_AXIS, MAX_VARIED_ENTRIES
 from pipeline.messages import is_unprintable, quoted
 from pipeline.scene.build import BuiltScene, Files, build_case, realizations_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
-from pipeline.scene.faults import Faults
-from pipeline.scene.format import LOAD, LOAD_FACTORS, SPEED, TableFile, number_at, scene_entries
+from pipeline.scene.format import LOAD_FACTORS, TableFile, number_at, scene_entries
 from pipeline.scene.table_kinds import TableKind
 from pipeline.sweep.case import CONDITION_ENTRIES, Case
 from pipeline.sweep.case_table import (
@@ -37,7 +39,6 @@ from tribo import InputError, SelfAffineRoughness
 
 _UNVARIED_TABLES = ("sweep", "title", "note", "extends", "without", "tests", "uncertainty")
 """Entries and tables that cannot take several values."""
-_PLACE = {"load": LOAD, "velocity": SPEED}
 CaseRow = dict[str, Any]
 
 
@@ -80,7 +81,7 @@ def with_first_case(
         faults.refuse("sweep.load_factors", f"{problem}; give fewer factors or rows")
         return entries, None
     loads, velocities = (
-        {kind.read(row[name], name, Faults()) for row in rows} for name, kind in _PLACE.items()
+        {kind.value(row[name]) for row in rows} for name, kind in POINT_KINDS.items()
     )
     table = CaseTable(load_factors=factors)
     loads = {factored for load in loads for factored in table.loads_of({"load": load})}
@@ -112,8 +113,8 @@ def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
         table = read_table(path, MAX_ON_AXIS, declared.decimal, declared.ignore, CONDITION_ENTRIES)
     entries = [path for path in scene_entries() if path.partition(".")[0] not in _UNVARIED_TABLES]
     paths = [column.name for column in table.columns if "." in column.name]
-    known = [*_PLACE, *paths, *entries]
-    rows = table.rows(known, _place_faults, needed=_PLACE)
+    known = [*POINT_KINDS, *paths, *entries]
+    rows = table.rows(known, partial(faults_in, kinds=POINT_KINDS), needed=POINT_KINDS)
     for column in table.columns:
         if column.name not in known:
             for row, cell in zip(rows, column.cells, strict=True):
@@ -135,14 +136,6 @@ def _table_of_scene(rows: list[CaseRow]) -> Table:
         for name in names
     ]
     return Table("the rows", columns, range(1, len(rows) + 1))
-
-
-def _place_faults(row: CaseRow) -> Iterator[tuple[str, str]]:
-    """Yield the load or velocity of a row if it is faulty, and why."""
-    for name, kind in _PLACE.items():
-        if name in row:
-            kind.read(row[name], name, faults := Faults())
-            yield from faults
 
 
 def listed_cases(scene: BuiltScene, along: list[CaseRow]) -> Cases:

@@ -5,11 +5,18 @@ from __future__ import annotations
 import functools
 import math
 import re
+from dataclasses import replace
 from typing import Any, get_args, get_type_hints
 
 import tribo
-from pipeline.limits import MAX_CASES, MAX_ON_AXIS
-from pipeline.scene.kinds import (
+from pipeline.kinds import (
+    ADDED_RISE,
+    AREA_FRACTION,
+    BULK,
+    CRITICAL,
+    FRICTION,
+    LOAD,
+    VELOCITY,
     Flag,
     Integer,
     Kind,
@@ -23,6 +30,7 @@ from pipeline.scene.kinds import (
     Text,
     UnitOfLength,
 )
+from pipeline.limits import MAX_CASES, MAX_ON_AXIS
 from pipeline.scene.list_kinds import List, MixedList, Range
 from pipeline.scene.table_kinds import (
     ByPath,
@@ -36,17 +44,12 @@ from pipeline.scene.table_kinds import (
     entry,
     number_in,
 )
-from pipeline.sweep.case import OIL_WORKS, OUTCOME_WORDS, OUTCOMES
+from pipeline.sweep.case import OUTCOME_WORDS, OUTCOMES
 from pipeline.sweep.stored_steps import Fields, Steps
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.usual_values import USUAL
 
-LOAD = Quantity("200 N")
 HOLD = Quantity("60 s")
-VELOCITY = Quantity("1.25 m/s", zero=True, usual=USUAL["velocity"].ends)
-SPEED = Quantity("1.25 m/s")
-BULK = Quantity("25 degC", usual=USUAL["bulk_temperature"].ends, ends=OIL_WORKS)
-FRICTION = Share(at_least=0, usual=USUAL["friction"].ends)
 SEED = Integer(at_least=0)
 LOAD_FACTORS = Sorted(List(Number(above=0), distinct=True, max_length=MAX_ON_AXIS))
 STEPS = Integer(at_most=MOST_STEPS)
@@ -265,11 +268,10 @@ class FrictionTable(Declared):
 
 class Temperature(Declared):
     bulk: float = entry(BULK, "Temperature of both bodies far from the contact.")
-    critical: float | None = entry(
-        Quantity("145 degC", usual=USUAL["critical_temperature"].ends, from_tests=True),
+    critical: float | None = entry(replace(CRITICAL, from_tests=True),
         "Contact temperature above which the lubricant fails; needed for verdicts. "
         '"from tests": each answer computes it from the tests of the scene.', None)
-    critical_area_fraction: float = entry(Share(at_least=0, below=1),
+    critical_area_fraction: float = entry(AREA_FRACTION,
         "Wear is severe if a larger fraction of the contact is above the critical temperature; "
         "with 0 the highest temperature governs.", 0.1)
     includes_earlier_revolutions: bool = entry(Flag(),
@@ -284,7 +286,7 @@ class Model(Declared):
     scatter: float = entry(Share(at_least=1e-3, below=1),
         "Scatter between specimens; the default counts as much as four tests of yours.",
         default=0.055)
-    rise: float = entry(Share(above=-1, usual=USUAL["added_rise_fraction"].ends),
+    rise: float = entry(ADDED_RISE,
         "Known heating outside the model, such as of a pin holder, a surface film or a "
         'reciprocating contact: "+6 %" multiplies the rise by 1.06.', default=0.0)
 

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from pipeline.faults import Faults
+from pipeline.kinds import Quantity, Share
 from pipeline.messages import did_you_mean, listed
 from pipeline.scene.entries import entry_at
-from pipeline.scene.faults import Faults
 from pipeline.scene.format import SceneFile, number_at
-from pipeline.scene.kinds import Quantity
 from pipeline.sweep.case import CLOSED_FORM, TEMPERATURES, Uncertainty
-from pipeline.units import UnitError, share_of, si_unit, to_si
+from pipeline.units import si_unit
 from tribo import InputError
 
 _MATERIAL = "hardness", "elastic_modulus", "thermal_conductivity", "density", "specific_heat"
 _SCALE_OF_SCAN = "disk.roughness.height_unit"
+_TEMPERATURE = Quantity("5 K", name="a temperature difference")
+_SHARE = Share(above=0)
 _OTHERS = (
     "pin.radius", "pin.length", "pin.crown_radius", "disk.roughness.ra", _SCALE_OF_SCAN,
     "disk.roughness.correlation_length", "disk.roughness.rsm", "wear.specific_wear_rate",
@@ -87,7 +89,7 @@ def uncertainty_of(tables: SceneFile, faults: Faults) -> tuple[Uncertainty, ...]
         for path in paths:
             try:
                 deviations.add(_deviation(path, deviation, inputs))
-            except (InputError, UnitError) as error:
+            except InputError as error:
                 faults.refuse(f"uncertainty.{key}", str(error))
         if len(deviations) > 1:
             faults.refuse(f"uncertainty.{key}", "differs between its entries; give a share")
@@ -96,18 +98,12 @@ def uncertainty_of(tables: SceneFile, faults: Faults) -> tuple[Uncertainty, ...]
     return tuple(uncertainties)
 
 
-def _deviation(path: str, text: Any, inputs: Mapping[str, Input]) -> float:
+def _deviation(path: str, typed: Any, inputs: Mapping[str, Input]) -> float:
     """Standard deviation of an input: relative, or in K for a temperature."""
     if path in TEMPERATURES:
-        return _positive(to_si(text, like="1 K"), text)
+        return float(_TEMPERATURE.value(typed))
     unit = inputs[path].si_unit if path in inputs else ""
-    is_share = not isinstance(text, str) or text.rstrip().endswith(("%", "percent"))
+    is_share = not isinstance(typed, str) or typed.rstrip().endswith(("%", "percent"))
     if is_share or not unit or path == _SCALE_OF_SCAN:
-        return _positive(share_of(text), text)
-    return _positive(to_si(text, like=f"1 {unit}") / inputs[path].first, text)
-
-
-def _positive(deviation: float, text: Any) -> float:
-    if not deviation > 0:
-        raise InputError(f'{text!r} is not above 0; give a deviation such as "10 %" or "5 K"')
-    return deviation
+        return float(_SHARE.value(typed))
+    return float(Quantity(f"1 {unit}").value(typed)) / inputs[path].first

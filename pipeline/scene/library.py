@@ -10,9 +10,9 @@ import tomllib
 from importlib import resources
 from typing import Any
 
+from pipeline.faults import Faults
 from pipeline.messages import key_path, quoted
 from pipeline.scene.entries import entry_at
-from pipeline.scene.faults import Faults
 from pipeline.sweep.notes import FromLibrary
 
 Entries = dict[str, Any]

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
+from pipeline.faults import Faults
+from pipeline.kinds import Integer, InvalidValueError, Kind, Quantity, require
 from pipeline.limits import MAX_CASES, MAX_ON_AXIS
 from pipeline.messages import quoted
-from pipeline.scene.faults import Faults
-from pipeline.scene.kinds import Integer, InvalidValueError, Kind, Quantity, require
 from pipeline.units import exact_si
 
 

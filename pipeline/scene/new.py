@@ -7,14 +7,12 @@ import shutil
 from importlib import resources
 from pathlib import Path
 
-from pipeline.arguments import typed_arguments
 from pipeline.messages import did_you_mean
 from pipeline.paths import reason_of, user_path
 from pipeline.shipped import shipped_scenes
 from tribo import InputError
 
 
-@typed_arguments
 def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     """Write a scene to start from: a short scene, or a shipped one.
 

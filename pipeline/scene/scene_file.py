@@ -10,14 +10,15 @@ from typing import Any, Literal
 import numpy as np
 
 import tribo
-from pipeline.arguments import in_count, in_load_or_velocity, plain_value, typed_arguments
+from pipeline.arguments import plain_value
+from pipeline.faults import Faults, SceneFileError
+from pipeline.kinds import LOAD, VELOCITY
 from pipeline.messages import did_you_mean
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
 from pipeline.scene.entries import Entries, replace_value, replace_values
-from pipeline.scene.faults import Faults, SceneFileError
-from pipeline.scene.format import FidelityTable, SceneFile, scene_entries
+from pipeline.scene.format import SEED, FidelityTable, SceneFile, scene_entries
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
 from pipeline.scene.table_kinds import TableKind
@@ -36,7 +37,6 @@ SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def load_scene(
     path: str | PathLike[str],
@@ -73,7 +73,7 @@ def load_scene(
     path, faults, preset = scene_path(path), Faults(), plain_value("preset", preset)
     settings = {} if preset is None else {"fidelity.preset": preset}
     try:
-        document = _overridden(read_document(path), settings | dict(overrides or {}), faults)
+        document = _overridden(read_document(path), {**settings, **(overrides or {})}, faults)
         source = Source(path.stem, document.entries, Files(document.folders))
         sweep = source.read(faults)
     except (tribo.InputError, tribo.InvariantError, RecursionError) as error:
@@ -173,10 +173,14 @@ class Source:
 
 def sweep_of(scene: SceneLike) -> Sweep:
     """Read a sweep from a path, with the errors of `load_scene`; return a sweep unchanged."""
-    return scene if isinstance(scene, Sweep) else load_scene(scene)
+    if isinstance(scene, Sweep):
+        return scene
+    if not isinstance(scene, str | PathLike):
+        problem = f"a scene is of type {type(scene).__name__}"
+        raise tribo.InputError(f"{problem}; give a Sweep, or the path of a scene")
+    return load_scene(scene)
 
 
-@typed_arguments
 @np.errstate(under="ignore")
 def run_point(
     sweep: SceneLike,
@@ -217,12 +221,10 @@ def run_point(
     >>> verdict.is_severe, f"{verdict.max_temperature - 273.15:.0f} °C"
     (False, '162 °C')
     """
-    load_in_si = in_load_or_velocity("load", load)
-    velocity_in_si = in_load_or_velocity("velocity", velocity)
     case_name: tuple[tuple[str, int], ...] = ()
     if realization is not None:
-        case_name = (("realization", in_count("realization", realization, minimum=0)),)
+        case_name = (("realization", SEED.argument("realization", realization)),)
+    point = Point(LOAD.argument("load", load), VELOCITY.argument("velocity", velocity), case_name)
     sweep = sweep_of(sweep)
     scene, stored_steps = sweep.case(case_name).scene, choose_stored_steps(sweep)
-    point = Point(load_in_si, velocity_in_si, case_name)
     return plan.run_point(scene, stored_steps, point, progress=progress or silent)

@@ -16,11 +16,11 @@ from collections.abc import Iterator
 from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, ClassVar, NamedTuple, dataclass_transform
 
+from pipeline.faults import Faults
+from pipeline.kinds import InvalidValueError, Kind, Number, Quantity, require
 from pipeline.limits import MAX_HINTS, MAX_VARIED_ENTRIES
 from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.scene.entries import flat
-from pipeline.scene.faults import Faults
-from pipeline.scene.kinds import InvalidValueError, Kind, Number, Quantity, require
 from pipeline.scene.list_kinds import List
 
 

@@ -8,12 +8,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from pipeline.faults import Faults
 from pipeline.limits import MAX_CASES
 from pipeline.messages import quoted
 from pipeline.quantities import UNITS, display
 from pipeline.scene.build import BuiltScene, Files, build_case
 from pipeline.scene.entries import Entries, are_nested
-from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, TableFile, stages_of
 from pipeline.scene.format import Test as TestEntry
 from pipeline.scene.table_kinds import TableKind

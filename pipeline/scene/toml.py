@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from pipeline.faults import Fault, SceneFileError
 from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.paths import read_file, reason_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_value
-from pipeline.scene.faults import Fault, SceneFileError
 from pipeline.shipped import name_of, scene_path, shipped_scenes
 
 FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")

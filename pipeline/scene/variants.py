@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.faults import Faults
 from pipeline.scene.build import build, build_case
 from pipeline.scene.cases import listed_cases, with_first_case
 from pipeline.scene.entries import Entries, merged, replace_values
-from pipeline.scene.faults import Faults
 from pipeline.scene.input_values import Input, inputs_of
 from pipeline.scene.library import resolve_library
 from pipeline.sweep.case import CLOSED_FORM, INPUT_STEP, VELOCITY_INPUT, Case, Variant

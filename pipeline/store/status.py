@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pipeline.arguments import typed_arguments
 from pipeline.progress import Report, silent
 from pipeline.store.location import PathLike, io_errors, location_of
 from pipeline.store.lock import holder_of
@@ -68,7 +67,6 @@ class Verification:
         return not (self.damaged or self.shared) and (self.tests is None or self.tests.is_clean)
 
 
-@typed_arguments
 def summary(path: PathLike) -> Summary:
     """Count the points of a store by state, and those with warnings, without reading results.
 
@@ -125,7 +123,6 @@ def _failed_points(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoi
     )
 
 
-@typed_arguments
 def verify_store(path: PathLike, progress: Report | None = None) -> Verification:
     """Check a whole store for damage; nothing is written.
 

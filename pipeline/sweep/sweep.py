@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
-from pipeline.arguments import typed_arguments
 from pipeline.limits import MAX_POINTS
 from pipeline.sweep.case import LARGEST, Case, Conditions, SpecimenTest, Variant
 from pipeline.sweep.case_table import AREAS_ENTRY, CaseName, CaseTable, in_order, surface_table
@@ -183,7 +182,6 @@ class Sweep:
     def _by_name(self) -> dict[CaseName, Case]:
         return {case.name: case for case in self.cases}
 
-    @typed_arguments
     def case(self, name: CaseName = ()) -> Case:
         """The case of a name, by default the scene itself; `InputError` if there is none."""
         if not name:
@@ -298,7 +296,6 @@ class Sweep:
         sweep = self._map_cases(lambda case: replace(case, scene=replace(case.scene, **stored)))
         return replace(sweep, text=text, user_parts=user_parts)
 
-    @typed_arguments
     def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
         """The sweep with other numerical choices of all cases; `preset` is their name, or None."""
         return self._map_cases(lambda case: case.with_fidelity(fidelity, preset))
@@ -322,7 +319,6 @@ class Sweep:
         )
         return replace(self, cases=cases, case_table=table)
 
-    @typed_arguments
     def judge(self, changes: Mapping[str, Any]) -> Self:
         """The sweep with the conditions of all cases replaced by `changes`, values by name.
 

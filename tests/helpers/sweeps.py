@@ -4,8 +4,8 @@ import json
 
 import tribo
 from pipeline.answers.results import sweep_of
+from pipeline.faults import Faults
 from pipeline.scene.build import Files
-from pipeline.scene.faults import Faults
 from pipeline.scene.scene_file import Source
 from pipeline.store.schema import INPUTS, split_arrays
 from pipeline.sweep.stored import plain_sweep

@@ -10,8 +10,8 @@ import re
 from pathlib import Path
 
 import tribo
+from pipeline.kinds import Quantity
 from pipeline.messages import quoted
-from pipeline.scene.kinds import Quantity
 from pipeline.scene.list_kinds import List
 from pipeline.scene.table_kinds import number_in
 from pipeline.store import schema

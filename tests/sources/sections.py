@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from pipeline.kinds import Kind
 from pipeline.scene.format import SceneFile
-from pipeline.scene.kinds import Kind
 from pipeline.scene.list_kinds import List
 from pipeline.scene.table_kinds import Either, Entry, TableKind, Tables
 

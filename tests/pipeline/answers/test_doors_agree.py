@@ -315,9 +315,9 @@ def test_values_are_taken_with_their_units_by_every_door(load, conditions):
 REFUSED = {  # load and velocity, conditions, message
     "no unit": (("400", 2.0), {}, '"400" has no unit'),
     "of time": ((with_unit(3.0, "s"), 2.0), {}, "cannot be converted to N"),
-    "true": ((True, 2.0), {}, "load is true, which is not a number"),
-    "newtons": ((), {"friction": "300 N"}, "friction is '300 N'"),
-    "nan": ((), {"friction": np.nan}, "must be one finite number"),
+    "true": ((True, 2.0), {}, "load: true is not a number"),
+    "newtons": ((), {"friction": "300 N"}, 'friction: "300 N" is not a number'),
+    "nan": ((), {"friction": np.nan}, "friction: nan is outside the allowed range"),
     "hot bulk": ((), {"bulk_temperature": "150 degC"}, "must be above the bulk temperature"),
     "slip": ((), {"fricton": 0.1}, "fricton is not a condition"),
 }

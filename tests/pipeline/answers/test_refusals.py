@@ -86,6 +86,7 @@ def computed(ds):
 REFUSALS = {
     "tests of another oil": (compared_for_another_oil, "no tests to compare: the tests are left"),
     # datasets
+    "no dataset": (lambda: pipeline.margin(5), "ds is of type int; give a Dataset of pipeline"),
     "no scene": (margin_of(xr.Dataset.drop_attrs), "has no attribute sweep, which describes"),
     "broken scene": (with_sweep("{"), "the attribute sweep of the dataset is not valid JSON"),
     "another scene": (with_sweep("{}"), "was written by another version of this program"),
@@ -140,7 +141,8 @@ REFUSALS = {
     "twice": (margin(400.0, 2.0, friction=[0.1, 0.1]), "friction has a value twice"),
     "several": (lambda: pipeline.infer(plane(), friction=[0.1, 0.2]),
                 "friction takes a single value here"),
-    "cold": (margin(400.0, 2.0, bulk_temperature=25), "(25 K), at which no oil works"),
+    "cold": (margin(400.0, 2.0, bulk_temperature=25),
+             '"25 K" is outside the allowed range, which is -53 degC to 627 degC'),
     "without heat": (without_friction, "the sweep was computed without friction and heat"),
     "quantiles": (few_quantiles, "the dataset has 2 of 30 values of area_fraction_below"),
     "no result": (without_test_results, "and no test has a result"),

@@ -78,7 +78,7 @@ CASES = {
         run="partial.zarr",
     ),
     "a friction": Case(
-        "boundary small.zarr --friction 0,12", "give one such as (0.1)",
+        "boundary small.zarr --friction 0,12", "give a share such as (0.1)",
         "boundary small.zarr --friction {}", "friction 0.1,",
     ),
     "a condition": Case(
@@ -118,7 +118,7 @@ CASES = {
         "margin small.zarr --points comma.csv {}", "2 operating points",
     ),
     "a unit": Case(
-        "margin small.zarr --points bare.csv", "has no unit; give one such as 200 (N)",
+        "margin small.zarr --points bare.csv", 'give a load above 0, such as "200 (N)"',
         "margin small.zarr --points bare.csv", "2 operating points",
         edit=("bare.csv", "load,", "load [{}],"),
     ),

@@ -41,24 +41,27 @@ def recorded():
 
 REFUSALS = {
     # values of options
-    "no quantity": (irg("plot", "a.zarr", "--load", "3"), '"3" has no unit; example: "750 N"'),
-    "not above 0": (irg("plot", "a.zarr", "--load=-5N"), '"-5N" must be above 0'),
+    "no quantity": (irg("plot", "a.zarr", "--load", "3"),
+                    '"3" has no unit; give a load above 0, such as "750 N"'),
+    "not above 0": (irg("plot", "a.zarr", "--load=-5N"),
+                    '"-5N" is outside the allowed range; give a load above 0'),
     "critical": (irg("boundary", "tiny.zarr", "--critical-temperature", "20 degC"),
                  "critical_temperature is 293.15 K (20 °C); it must be above the bulk temperature"),
     "table": (irg("boundary", "a.zarr", "-o", "a.txt"), "a.txt: the file name must end in"),
     "surfaces": (irg("paper", "fig4", "--surfaces", "0"), "not a whole number of at least 1"),
     "friction": (irg("boundary", "a.zarr", "--friction", "0,12"),
-                 '"0,12" is not a number; give one such as 0.1 or 10%'),
+                 'argument --friction: "0,12" is not a number; give a share such'),
     "frictions": (irg("point", "first_try", *POINT, "--friction", "0.1", "--friction", "0.2"),
                   "friction.coefficient takes a single value here"),
     "outside": (irg("margin", "tiny.zarr", "--load=2 N", "--velocity=1 m/s"),
                 "load 2 N is outside the sweep"),
     "below rest": (irg("margin", "tiny.zarr", "--load=250 N", "--velocity=-1 m/s"),
-                   '"-1 m/s" must be above 0'),
-    "share": (irg("run", "first_try", "--accuracy", "200%"), 'is not a fraction between 0 and 1'),
+                   '"-1 m/s" is outside the allowed range; give a velocity above 0'),
+    "share": (irg("run", "first_try", "--accuracy", "200%"),
+              '"200%" is outside the allowed range; give a share'),
     "area fraction": (
         irg("boundary", "tiny.zarr", "--critical-area-fraction", "0,1"),
-        "is '0,1'; give a number such as 0.1"
+        '--critical-area-fraction: "0,1" is not a number; give a share'
     ),
     "nested": (nested, "title is nested without an end"),
     "no value": (irg("check", "first_try", "--set", "title"), '"title" is not of the form KEY'),

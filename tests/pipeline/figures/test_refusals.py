@@ -60,7 +60,8 @@ REFUSALS = {
     "its option": (lambda: pipeline.plot(TRADE, log=True), "has no option 'log'; available: none"),
     "suffix": (plot("diagram", "figure.gif"), "the file name must end in one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "the folder no does not exist"),
-    "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
+    "width": (plot("diagram", width=0.01),
+              'width: "0.01 m" is outside the allowed range, which is 4 cm to 100 cm'),
     "places": (of_places, "so there is no plane of them; irg margin"),
     "one of a pair": (plot("diagram", load=500.0), "loads (1) and velocities (0) cannot be paired"),
     "dpi": (plot("diagram", dpi=5), "dpi is 5; it must be from 30 to 1200"),
@@ -69,7 +70,7 @@ REFUSALS = {
     "rows": (rows_beyond, "no row has a verdict: load 9000 N is outside"),
     "scenes": (of_scenes, "needs at least two loads and two velocities"),
     "pins": (lambda: pipeline.plot(two_pins(), "tests"), "select one by pin_radius"),
-    "no number": (plot("diagram", load=float("nan")), "load is nan; it must be finite and above 0"),
+    "no number": (plot("diagram", load=float("nan")), 'load: "nan N" is not a number with a unit'),
     "no tests": (over_computed(), "the scene has no tests to draw"),
     "begun tests": (begun_tests, "test 1 (transition, 600 N, 1.5 m/s) has not been simulated yet"),
 }  # fmt: skip

@@ -48,7 +48,7 @@ ROWS = tiny.sweep(
 VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.increments": [6, 8]}})
 
 REFUSALS = {
-    "accuracy": (searched(SWEEP, 1.0), "accuracy is 1.0; give the relative error"),
+    "accuracy": (searched(SWEEP, 1.0), "accuracy: 1.0 is outside the allowed range; give a share"),
     "too small": (searched(SWEEP, "0.5%"), "accuracy is 0.5 %, and the preset fine may err by"),
     "fidelity": (searched(VARIED), "sweep.over varies [fidelity], which the accuracy chooses"),
     "rows": (searched(ROWS), "each row of the sweep has its own load and velocity"),
@@ -57,7 +57,7 @@ REFUSALS = {
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "workers": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", workers=1.5),
-                "workers is 1.5; it must be a whole number"),
+                "workers: 1.5 is not a whole number; give a whole number, at least 1"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
     "file": (no_file, "no Dask scheduler answers at scheduler.json"),
     "trade": (measured_again, "trade.zarr exists, and its points would cost nothing"),

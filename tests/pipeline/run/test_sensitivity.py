@@ -320,7 +320,7 @@ def test_tests_narrow_uncertain_inputs_unless_these_are_their_own(uncertain, tmp
     [
         ("pin.radios", "5 %", 'is no input of the scene .did you mean "pin.radius"'),
         ("pin.radius", "5 K", "cannot be converted"),
-        ("pin.radius", "0 %", "is not above 0"),
+        ("pin.radius", "0 %", '"0 %" is outside the allowed range; give a share'),
         ("temperature.bulk", "5 %", "is not a number with a unit"),
         ("pin.radius, temperature.bulk", "5 K", "cannot be converted"),
     ],

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline import load_scene, new_scene, to_si
-from pipeline.arguments import in_count, in_si
+from pipeline import load_scene, new_scene, run_point, to_si
+from pipeline.kinds import LOAD, WORKERS
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.scene.variants import variants_of
 from pipeline.units import share_of
@@ -123,14 +123,14 @@ QUANTITIES = {
     "unknown": (lambda: to_si("4 kx", like="1 N"), "has an unknown unit: 'kx'"),
     "infinite": (lambda: to_si("1e400 N", like="1 N"), '"1e400 N" is too large'),
     "unit": (lambda: to_si("4 2 um", like="1 m"), "has a unit that cannot be read"),
-    "named": (lambda: in_si("load", "4 m", "750 N"), 'load: "4 m"'),
-    "count": (lambda: in_count("samples", 1.5), "samples is 1.5"),
+    "named": (lambda: LOAD.argument("load", "4 m"), 'load: "4 m"'),
+    "count": (lambda: WORKERS.argument("samples", 1.5), "samples: 1.5 is not a whole number"),
     "an array": (
         lambda: to_si(np.eye(2), "1 N"),
         "text is array([[1., 0.], [0., 1.]]); give a number with a unit as text",
     ),
     "a frame": (
-        lambda: in_si("load", pd.DataFrame({"load": [4.0]}), "750 N"),
+        lambda: LOAD.argument("load", pd.DataFrame({"load": [4.0]})),
         "load is a table; give one of its columns",
     ),
     "share": (lambda: share_of("ten"), '"ten" is not a number; give one such as 0.1'),
@@ -244,7 +244,7 @@ ENTRIES = {
                     '"parsnip" is not '),
     # uncertain inputs
     "no input": (uncertain("pin.radios", "5 %"), 'is no input of the scene (did you mean "pin.rad'),
-    "zero deviation": (uncertain("pin.radius", "0 %"), '0 %\' is not above 0; give a deviation'),
+    "zero deviation": (uncertain("pin.radius", "0 %"), '"0 %" is outside the allowed range; giv'),
     "no temperature difference": (uncertain("temperature.bulk", "5 %"), "is not a number with a"),
     "several deviations": (uncertain("pin.radius, pin.length", "0.1 mm"), "differs between its"),
     "sensitivity of a store": (
@@ -329,12 +329,12 @@ TEXTS = {
     ),
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),
     "no scene": (lambda: load_scene("first_tyr"), "first_tyr"),
+    "number as a scene": (lambda: run_point(5, "400 N", "2 m/s"), "a scene is of type int; give a"),
     "circle": (toml(b'extends = "scene.toml"\n'), "a scene may not extend itself"),
     "no value": (
         lambda: load_scene("first_try", overrides={"pin.radius": None}),
         'is None; to leave it out, set without = ["pin.radius"]',
     ),
-    "overrides": (lambda: load_scene("first_try", overrides="a=1"), "overrides is 'a=1'; give a"),
     "chain": (chain, "a scene may not extend itself, and at most 20 others"),
     "dotted": (
         toml(b"a = 1\n[b]\n" + b".".join([b'"a b"'] * 30_000) + b" = 1\n"),

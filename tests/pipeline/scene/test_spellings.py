@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline import load_scene, to_si
-from pipeline.arguments import in_share, in_si
+from pipeline.kinds import BULK, FRICTION, LOAD
 from pipeline.operating_points import OperatingPoints
 from pipeline.surface.scan import read_scan
 from pipeline.table import TableColumn
@@ -257,16 +257,16 @@ def test_a_text_with_two_meanings_is_no_quantity(like):
 
 def test_a_share_is_a_number_or_in_per_cent():
     for text in ("0.12", ".12", "1.2e-1", "12%", "12 %", "12 percent", "12 per cent", "+12 %"):
-        assert in_share("friction", text) == pytest.approx(0.12)
+        assert FRICTION.argument("friction", text) == pytest.approx(0.12)
     for text in ("0,12", "12,5%", "120 ‰", "1_2%", "nan", "inf", "12%%", "1/8", "0.1-0.12", ""):
-        assert read_or_refused(in_share, "friction", text) is None, text
+        assert read_or_refused(FRICTION.argument, "friction", text) is None, text
 
 
 def test_quantities_of_pint_keep_their_units_through_every_door():
     quantity = pytest.importorskip("pint").UnitRegistry().Quantity
-    assert in_si("load", quantity(500, "lbf"), "1 N") == pytest.approx(2224.1108, rel=1e-7)
-    assert in_si("bulk", quantity(330, "degF"), "1 K") == pytest.approx(438.7056, rel=1e-6)
-    assert in_share("friction", quantity(12, "percent")) == 0.12
+    assert LOAD.argument("load", quantity(500, "lbf")) == pytest.approx(2224.1108, rel=1e-7)
+    assert BULK.argument("bulk", quantity(330, "degF")) == pytest.approx(438.7056, rel=1e-6)
+    assert FRICTION.argument("friction", quantity(12, "percent")) == 0.12
     overrides = {
         "pin.radius": quantity(0.3, "cm"),
         "sweep.loads": quantity(np.array([0.2, 0.4]), "kN"),
@@ -399,6 +399,6 @@ def test_a_scan_is_one_matrix_or_is_refused(tmp_path, mark):
 
 def test_what_is_no_single_number_is_named_by_its_argument():
     for value in (True, [1], {"a": 1}, None, object(), b"1 N", 1j, np.timedelta64(1, "s")):
-        with pytest.raises(InputError, match=r"^load "):
-            in_si("load", value, "1 N")
-    assert math.isnan(in_si("load", float("nan"), "1 N"))
+        with pytest.raises(InputError, match=r"^load[ :]"):
+            LOAD.argument("load", value)
+    assert math.isnan(LOAD.in_si("load", float("nan")))

@@ -2,9 +2,9 @@
 
 import pytest
 
+from pipeline.faults import Faults
 from pipeline.operating_points import OperatingPoints
 from pipeline.scene import format as scene_format
-from pipeline.scene.faults import Faults
 from pipeline.scene.table_kinds import TableKind
 from pipeline.table import read_table
 from tribo import InputError

@@ -1,55 +1,112 @@
-"""Kinds of single values in a scene file: text, numbers and quantities.
+"""Kinds of single values: text, numbers and quantities.
 
-A kind reads a value, and states what is allowed, as text (``str(kind)``).
+A kind reads a value, and states what is allowed, as text (``str(kind)``). Entries of scene files,
+cells of tables, options of commands and arguments in Python are read by the same kinds.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
+from pipeline.arguments import plain_value
+from pipeline.faults import Fault, Faults
 from pipeline.messages import did_you_mean, is_unprintable, quoted
 from pipeline.quantities import DIMENSIONS
-from pipeline.scene.faults import Faults
+from pipeline.sweep.case import OIL_WORKS
 from pipeline.sweep.notes import unusual_warning
 from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si
 from tribo import InputError
+from tribo.simulation.usual_values import USUAL
 
 FROM_TESTS = "from tests"
 """Value of a critical temperature that answers find from the tests of the scene."""
 
 
-class InvalidValueError(Exception):
+class InvalidValueError(UnitError):
     """A value does not fit its kind; the message says why."""
 
 
 class Kind:
-    """Base class of kinds of scene entry: reads a value, and states what is allowed."""
+    """Base class of kinds of value: reads a value, and states what is allowed."""
 
     words: ClassVar[str] = ""
     value_types: ClassVar[type | tuple[type, ...]] = ()
     """Types of values that select this kind among several."""
+    usual: tuple[float, float] | None = None
+    """Usual range of numbers, in the unit in which they are printed."""
 
     def __str__(self) -> str:
         return self.words
 
+    @property
+    def unit(self) -> str:
+        """Unit in which numbers are printed; empty for a kind without units."""
+        return ""
+
+    @property
+    def si_unit(self) -> str:
+        """SI unit of numbers; empty for a kind without units."""
+        return ""
+
+    def value(self, typed: object) -> Any:
+        """Value of what is typed in a table or a command; `InputError` if it is wrong."""
+        try:
+            return self._value(typed)
+        except UnitError as problem:
+            raise InputError(f"{problem}; give {self}") from problem
+
+    def argument(self, name: str, value: object) -> Any:
+        """Value of an argument in Python, which may be a number in SI.
+
+        Raises an `InputError` that begins with its `name` if it is wrong.
+        """
+        with self._named(name):
+            plain = _single(name, value)
+            if self.si_unit and not isinstance(plain, str):
+                plain = f"{plain!r} {self.si_unit}"
+            return self._value(plain)
+
+    @contextmanager
+    def _named(self, name: str) -> Iterator[None]:
+        """Context manager: turn the error of a value into that of the argument `name`."""
+        try:
+            yield
+        except (UnitError, OverflowError) as problem:
+            or_number = f", or a number in {self.si_unit}" if self.si_unit else ""
+            raise InputError(f"{name}: {problem}; give {self}{or_number}") from problem
+
     def read(self, value: object, path: str, faults: Faults, allowed: object = None) -> Any:
-        """Read the value of the entry at path `path`; None, with a fault added, if it is wrong.
+        """Value of the scene's entry at path `path`; None, with a fault added, if it is wrong.
 
         The fault says what is allowed: this kind, or `allowed` if it is given.
         """
         try:
             return self._read(value, path, faults)
-        except (InvalidValueError, UnitError) as problem:
+        except UnitError as problem:
             faults.refuse(path, f"{problem}; give {allowed or self}")
             return None
 
     def _read(self, value: Any, path: str, faults: Faults) -> Any:
-        """Read a value or raise an `InvalidValueError`; faults in a list are added to `faults`."""
+        """Read an entry or raise a `UnitError`; faults in a list are added to `faults`."""
+        result = self._value(value)
+        faults.warnings += unusual_warning(path, result, self.usual, self.unit)
+        return result
+
+    def _value(self, value: Any) -> Any:
+        """Value in SI; raises a `UnitError` that says what is wrong."""
         raise NotImplementedError
+
+
+def _single(name: str, value: object) -> Any:
+    """Convert an argument to a number or text; anything else raises an error."""
+    plain = plain_value(name, value)
+    if plain is None or isinstance(plain, bool | dict | list):
+        raise InvalidValueError(f"{quoted(plain)} is not a number")
+    return plain
 
 
 def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
@@ -62,12 +119,12 @@ def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
 
 
 class Text(Kind):
-    """Kind of scene entry: text that is not empty."""
+    """Kind of value: text that is not empty."""
 
     words = "text in quotes"
     value_types = str
 
-    def _read(self, value: Any, path: str, faults: Faults) -> str:
+    def _value(self, value: Any) -> str:
         require(value, str, "is not text")
         if not value:
             raise InvalidValueError("the text is empty")
@@ -77,19 +134,19 @@ class Text(Kind):
 
 
 class Flag(Kind):
-    """Kind of scene entry: true or false."""
+    """Kind of value: true or false."""
 
     words = "true or false"
     value_types = bool
 
-    def _read(self, value: Any, path: str, faults: Faults) -> bool:
+    def _value(self, value: Any) -> bool:
         require(value, bool, "is neither true nor false")
         return bool(value)
 
 
 @dataclass(frozen=True)
 class OneOf(Kind):
-    """Kind of scene entry: one of a few words."""
+    """Kind of value: one of a few words."""
 
     value_types = str
     options: tuple[str, ...]
@@ -100,7 +157,7 @@ class OneOf(Kind):
         *first, last = map(quoted, self.options)
         return f"{', '.join(first)} or {last}" if first else last
 
-    def _read(self, value: Any, path: str, faults: Faults) -> str:
+    def _value(self, value: Any) -> str:
         require(value, str, "is not text")
         if value not in self.options:
             hint = did_you_mean(value, self.options)
@@ -117,11 +174,11 @@ class OneOf(Kind):
 
 @dataclass(frozen=True)
 class Number(Kind):
-    """Kind of scene entry: a number without a unit."""
+    """Kind of value: a number without a unit."""
 
     words = "a number without a unit"
     value_types = (int, float)
-    unit = ""
+    magnitudes: ClassVar[tuple[float, float]] = (1e-15, 1e15)
     above: float = -math.inf
     at_least: float = -math.inf
     below: float = math.inf
@@ -136,58 +193,58 @@ class Number(Kind):
         texts = [f"{name} {bound:g}" for name, bound in bounds.items() if math.isfinite(bound)]
         return f"{self.words}, {' and '.join(texts)}" if texts else self.words
 
-    def _read(self, value: Any, path: str, faults: Faults) -> float:
-        require(value, (int, float), "is not a number")
-        self._require_fit(value, smallest=1e-15, largest=1e15)
-        faults.warnings += unusual_warning(path, value, self.usual, self.unit)
-        return float(value)
-
-    def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `InvalidValueError` if a value is outside its bounds, or too small or large."""
-        if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
+    def _value(self, value: Any) -> Any:
+        number = self._number(value)
+        if not (self.above < number < self.below and self.at_least <= number <= self.at_most):
             raise InvalidValueError(f"{quoted(value)} is outside the allowed range")
-        if value and not smallest <= abs(value) <= largest:
+        smallest, largest = self.magnitudes
+        if number and not smallest <= abs(number) <= largest:
             raise InvalidValueError(
                 f"{quoted(value)} is outside the allowed range, which is {smallest:g} to "
                 f"{largest:g}"
             )
+        return number
+
+    def _number(self, value: Any) -> float:
+        require(value, (int, float), "is not a number")
+        return float(value)
 
 
 class Share(Number):
-    """Kind of scene entry: a share of a whole, as a number or in percent."""
+    """Kind of value: a share of a whole, as a number or in percent."""
 
     words = 'a share such as 0.1 or "10%"'
 
-    def _read(self, value: Any, path: str, faults: Faults) -> float:
+    def _number(self, value: Any) -> float:
         with suppress(InputError):
             value = share_of(value)
-        return super()._read(value, path, faults)
+        return super()._number(value)
 
 
 class Integer(Number):
-    """Kind of scene entry: a whole number."""
+    """Kind of value: a whole number."""
 
     words = "a whole number"
+    magnitudes = (0, 2**63 - 1)  # which a store can keep
 
-    def _read(self, value: Any, path: str, faults: Faults) -> int:
+    def _number(self, value: Any) -> int:
         require(value, int, "is not a whole number")
-        self._require_fit(value, smallest=0, largest=2**63 - 1)  # which a store can keep
         return int(value)
 
 
 class Scalar(Kind):
-    """Kind of scene entry: a number or a quantity of any dimension."""
+    """Kind of value: a number or a quantity of any dimension."""
 
     words = "a number, or a quantity in quotes"
 
-    def _read(self, value: Any, path: str, faults: Faults) -> Any:
+    def _value(self, value: Any) -> Any:
         require(value, (int, float, str), "is neither a number nor a quantity")
         return value
 
 
 @dataclass(frozen=True)
 class Quantity(Kind):
-    """Kind of scene entry: a number with a unit, read in SI; its example fixes the dimension.
+    """Kind of value: a number with a unit, read in SI; its example fixes the dimension.
 
     The number must be above 0, or at least 0 if `zero` is true. With `from_tests`, the text "from
     tests" is read as NaN.
@@ -215,7 +272,18 @@ class Quantity(Kind):
         """Unit of the kind's example of a value, such as "mm" of "2 mm"."""
         return self.example.partition(" ")[2]
 
-    def _read(self, value: Any, path: str, faults: Faults) -> float:
+    @property
+    def si_unit(self) -> str:
+        """SI unit of the kind's dimension, such as "m"."""
+        return next(iter(DIMENSIONS[si_unit(self.example)].units))
+
+    def in_si(self, name: str, value: object) -> float:
+        """Value of an argument in SI, also one outside all bounds; an `InputError` names it."""
+        with self._named(name):
+            plain = _single(name, value)
+            return to_si(plain, self.example) if isinstance(plain, str) else float(plain)
+
+    def _value(self, value: Any) -> float:
         if self.from_tests and value == FROM_TESTS:
             return math.nan
         if not isinstance(value, str):
@@ -223,14 +291,13 @@ class Quantity(Kind):
         number = exact_si(value, like=self.example)
         if number == 0 and self.zero:
             return float(number)
-        if number <= 0:
+        if number <= 0 and self.ends is None:
             raise InvalidValueError(f"{quoted(value)} is outside the allowed range")
         low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
         if not exact_si(low, self.example) <= number <= exact_si(high, self.example):
             raise InvalidValueError(
                 f"{quoted(value)} is outside the allowed range, which is {low} to {high}"
             )
-        faults.warnings += unusual_warning(path, float(number), self.usual, self.unit)
         return float(number)
 
 
@@ -243,7 +310,7 @@ class Level(NamedTuple):
 
 @dataclass(frozen=True)
 class LoadOrVelocity(Kind):
-    """Kind of scene entry: a load or a velocity, read as a `Level`."""
+    """Kind of value: a load or a velocity, read as a `Level`."""
 
     load: Quantity
     velocity: Quantity
@@ -251,22 +318,55 @@ class LoadOrVelocity(Kind):
     def __str__(self) -> str:
         return f"{self.velocity} or {self.load}"
 
-    def _read(self, value: Any, path: str, faults: Faults) -> Level:
+    def _value(self, value: Any) -> Level:
         require(value, str, "has no unit")
         axis = {"N": "load", "m s-1": "velocity"}.get(si_unit(value))
         if axis is None:
             raise InvalidValueError(f"{quoted(value)} has the wrong dimension")
-        return Level(axis, getattr(self, axis)._read(value, path, faults))
+        return Level(axis, getattr(self, axis)._value(value))
 
 
 class UnitOfLength(Kind):
-    """Kind of scene entry: a unit without a number, such as "um", read as its size [m]."""
+    """Kind of value: a unit without a number, such as "um", read as its size [m]."""
 
     words = 'a unit of length, such as "um"'
 
-    def _read(self, value: Any, path: str, faults: Faults) -> float:
+    def _value(self, value: Any) -> float:
         text = str(value)
         try:  # "2 nm" is a unit, too
             return to_si(text if text[:1].isdigit() else f"1 {text}", like="1 um")
         except UnitError as error:
             raise InvalidValueError(f"{quoted(value)} is not a unit of length") from error
+
+
+LOAD = Quantity("200 N")
+VELOCITY = Quantity("1.25 m/s", zero=True, usual=USUAL["velocity"].ends)
+SPEED = Quantity("1.25 m/s")
+FRICTION = Share(at_least=0, usual=USUAL["friction"].ends)
+BULK = Quantity("25 degC", usual=USUAL["bulk_temperature"].ends, ends=OIL_WORKS)
+CRITICAL = Quantity(
+    "145 degC", usual=USUAL["critical_temperature"].ends, ends=(OIL_WORKS[0], "1e5 degC")
+)
+AREA_FRACTION = Share(at_least=0, below=1)
+ADDED_RISE = Share(above=-1, usual=USUAL["added_rise_fraction"].ends)
+ACCURACY = Share(above=0, below=1)
+WORKERS = Integer(at_least=1)
+CONDITION_KINDS: dict[str, Kind] = {
+    "friction": FRICTION,
+    "bulk_temperature": BULK,
+    "critical_temperature": CRITICAL,
+    "critical_area_fraction": AREA_FRACTION,
+    "added_rise_fraction": ADDED_RISE,
+}
+"""Kinds of the conditions, by name."""
+POINT_KINDS: dict[str, Kind] = {"load": LOAD, "velocity": SPEED}
+"""Kinds of the load and velocity of an operating point."""
+
+
+def faults_in(row: Mapping[str, Any], kinds: Mapping[str, Kind]) -> Iterator[Fault]:
+    """Faults of a row of a table, by column; `kinds` has the kinds of columns that have one."""
+    faults = Faults()
+    for name, kind in kinds.items():
+        if name in row:
+            kind.read(row[name], name, faults)
+    yield from faults

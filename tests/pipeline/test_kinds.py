@@ -1,0 +1,72 @@
+"""Refusals of single values: what causes each, and what it says at every door."""
+
+import io
+from contextlib import redirect_stderr
+
+import pytest
+
+from pipeline import load_scene, run_point
+from pipeline.cli import main
+from pipeline.kinds import BULK, FRICTION, LOAD, SPEED, WORKERS
+from pipeline.operating_points import OperatingPoints
+from tests.helpers.refusals import refusal_tests
+from tribo import TriboError
+
+
+def entry(path, value):
+    return lambda: load_scene("first_try", overrides={path: value})
+
+
+def scan(unit):
+    roughness = {"file": "a.npy", "height_unit": unit}
+    overrides = {"without": ["disk.roughness"], "disk.roughness": roughness}
+    return lambda: load_scene("first_try", overrides=overrides)
+
+
+REFUSALS = {
+    "empty text": (entry("title", ""), "the text is empty"),
+    "control": (entry("title", "a\0"), "has a line break or a control character"),
+    "choice": (entry("pin.shape", "cylindr"), 'is not a valid choice (did you mean "cylinder"?)'),
+    "number": (entry("materials.steel.poisson_ratio", 0.6), "0.6 is outside the allowed range"),
+    "no number": (entry("materials.steel.poisson_ratio", "0.3"), '"0.3" is not a number'),
+    "large": (entry("disk.roughness.seed", 2**63), "which is 0 to 9.22337e+18"),
+    "no unit": (lambda: LOAD.value(400.0), "400.0 has no unit; give a load above 0, such as"),
+    "zero": (lambda: SPEED.value("0 m/s"), '"0 m/s" is outside the allowed range'),
+    "far": (lambda: BULK.argument("bulk", 25), '"25 K" is outside the allowed range, which is -53'),
+    "in SI": (lambda: BULK.argument("bulk", "25 C"), ', such as "25 degC", or a number in K'),
+    "a list": (lambda: FRICTION.argument("friction", [0.1, 0.2]), "[0.1, 0.2] is not a number"),
+    "count": (lambda: WORKERS.argument("workers", 0), "workers: 0 is outside the allowed range"),
+    "step": (entry("tests", [{"load": "4 N", "velocity": "1 m/s", "outcome": "transition",
+                              "step": "3 mm"}]), "has the wrong dimension"),
+    "height unit": (scan("parsnip"), '"parsnip" is not a unit of length'),
+}  # fmt: skip
+
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "kinds.py", REFUSALS, {"kinds._value NotImplementedError"}
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "problem"),
+    [
+        ("400", "has no unit"),
+        ("-4 N", '"-4 N" is outside the allowed range'),
+        ("4 kg", '"4 kg" cannot be converted to N'),
+        ("1e30 N", '"1e30 N" is outside the allowed range, which is 1e-9 N to 1e9 N'),
+    ],
+)
+def test_a_load_is_refused_by_the_same_words_at_every_door(value, problem):
+    printed = io.StringIO()
+    with redirect_stderr(printed), pytest.raises(SystemExit):
+        main(["margin", "a.zarr", f"--load={value}", "--velocity=1 m/s"])
+    messages = [printed.getvalue()]
+    for read in (
+        entry("sweep.loads", [value]),
+        lambda: OperatingPoints.read({"load": [value], "velocity": ["1 m/s"]}),
+        lambda: run_point("first_try", value, "1 m/s"),
+    ):
+        with pytest.raises(TriboError) as error:
+            read()
+        messages.append(str(error.value))
+    for message in messages:
+        assert f"{problem}; give a load above 0, such as" in message
