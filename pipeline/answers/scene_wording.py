@@ -1,4 +1,4 @@
-"""Texts on a scene: its conditions, its warnings, and values of its entries."""
+"""Texts on a scene: its conditions, lines of its warnings, and values of its entries."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.messages import listed
 from pipeline.quantities import display
 from pipeline.shipped import typed_name
 from pipeline.sweep.case import PATHS, Conditions, known_critical_temperature
-from pipeline.sweep.notes import SceneWarning, unusual_warning
+from pipeline.sweep.notes import unusual_warning
 from pipeline.sweep.sweep import Sweep
-from pipeline.units import typeset, unusual
+from pipeline.units import typeset
 from tribo import SelfAffineRoughness
 from tribo.simulation.usual_values import USUAL
 
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _DEFAULT_FRACTION = 0.1  # critical area fraction that is not printed
-_IN_ANSWERS = ("cold_tracks", "narrow_window")  # which answers state elsewhere
 _DISPLAY_UNITS = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Usual units for columns that the user added, by SI unit."""
 
@@ -71,25 +69,15 @@ def signed_percent(share: float) -> str:
     return f"{100 * share:+.4g} %".replace("-", "−")
 
 
-def warning_text(warning: SceneWarning) -> str:
-    """A warning as text, after the path of its entry."""
-    text = _describe_warning(warning)
-    if warning.cases or warning.of_case:
-        names = listed(warning.cases) or "all cases"
-        of_case = f"; numbers are of case {warning.of_case}" if warning.of_case else ""
-        text = f"{text} (in {names}{of_case})"
-    return f"{warning.path}: {text}" if warning.path else text
-
-
 def warning_lines(sweep: Sweep, max_count: int = 3, answered: bool = False) -> list[str]:
     """Lines with at most `max_count` warnings on a scene, and the number of further ones.
 
     An answer (`answered`) omits warnings that it states at the points that they concern.
     """
     lines = [
-        f"warning: {warning_text(warning)}"
+        f"warning: {warning.text}"
         for warning in sweep.all_warnings
-        if not (answered and warning.code in _IN_ANSWERS)
+        if not (answered and warning.is_in_answers)
     ]
     if (more := len(lines) - max_count) > 0:
         lines[max_count:] = [f"{more} more warnings: irg check {typed_name(sweep.name)}"]
@@ -111,68 +99,7 @@ def unusual_condition_lines(sweep: Sweep, conditions: Mapping[str, Any]) -> Iter
             for warning in unusual_warning(PATHS[name], value, usual.ends, usual.unit)
         ]
         if warnings:
-            yield f"warning: {warning_text(warnings[0])}"
-
-
-def _describe_warning(warning: SceneWarning) -> str:
-    values: Any = warning.values
-    match warning.code:
-        case "unusual":
-            value, low, high, unit = values
-            return unusual(value, (low, high), unit)
-        case "unusual_values":
-            unusual_count, count, value, low, high, unit = values
-            return f"{unusual_count:g} of {count:g} values: {unusual(value, (low, high), unit)}"
-        case "narrow_window":
-            contact, side = (display(length, "µm", 3) for length in values)
-            words = f"the contact may grow to {contact}, wider than the window ({side})"
-            return f"{words}; increase window.pixels"
-        case "lay_along_sliding":
-            return (
-                "the grooves run along the sliding direction; if the same grooves pass the pin "
-                'again, pattern = "swept" makes the rise about 50 % too high: use pattern = '
-                '"local"'
-            )
-        case "long_correlation":
-            axis, length = values
-            return (
-                f"along {axis} it is {display(length, 'µm', 3)}, more than a third of the "
-                "window, so that temperatures vary strongly between surface realizations: "
-                "increase window.pixels, or simulate several (sweep.realizations)"
-            )
-        case "no_wear":
-            return "there is no table [wear]; an unworn contact stays narrow and runs hotter"
-        case "far_test":
-            load, velocity = values
-            point = f"{load:g} N at {velocity:g} m/s"
-            return f"the test at {point} lies far outside the sweep: check its units"
-        case "fresh_specimens":
-            names, more = values
-            further = f" and {more:g} more" if more else ""
-            noun = "tests" if more or ", " in names else "test"
-            return (
-                f"{noun} {names}{further}: one specimen at several points, but each is simulated "
-                "as a fresh specimen and thus too hot: give its load stages"
-            )
-        case "large_uncertainty":
-            return (
-                f"{100 * values[0]:.3g} % is more than {100 * values[1]:.3g} %, up to which the "
-                "effect of inputs was found to be linear: compare values by sweep.over"
-            )
-        case "cold_tracks":
-            lengths = dict(zip(values[::2], values[1::2], strict=True))
-            tracks = " and ".join(
-                f"the {body} (track of {display(length, 'mm', 3)})"
-                if length != "unknown"
-                else f"the {body} (length of its track unknown: set motion.{body}_track_length)"
-                for body, length in lengths.items()
-            )
-            entries = " and ".join(f"{body}.diameter" for body in lengths)
-            return (
-                f"heat from earlier revolutions of {tracks} is not included; it warms the contact "
-                f"further: set {entries} and width, or track_length, or enter the bulk "
-                "temperature of the warm tracks"
-            )
+            yield f"warning: {warnings[0].text}"
 
 
 def test_group_words(sweep: Sweep) -> str:

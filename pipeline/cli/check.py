@@ -12,7 +12,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.answers.error import has_boundary, has_unknown_preset_error, preset_error_text
-from pipeline.answers.scene_wording import added_rise_words, warning_text
+from pipeline.answers.scene_wording import added_rise_words
 from pipeline.cli.inputs import scene_in
 from pipeline.cli.output import Result
 from pipeline.frames import frame_of, records
@@ -73,7 +73,7 @@ def check(options: argparse.Namespace) -> Result:
         *(("library", f"{text}, from {source}") for text, source in library_tables(sweep.sources)),
         *([("note", sweep.note)] if sweep.note else []),
         *(("note", note.text) for note in sweep.notes),
-        *(("warning", warning_text(warning)) for warning in sweep.all_warnings),
+        *(("warning", warning.text) for warning in sweep.all_warnings),
         *_cost_rows(sweep, cost, missing),
     ]
     frame = frame_of(("subject", "meaning"), rows)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from pipeline.constants import LINEAR_UNCERTAINTY
-from pipeline.messages import key_path
+from pipeline.messages import key_path, listed
+from pipeline.quantities import display
 from pipeline.scene.contact_estimate import (
     ContactEstimate,
     estimate_contact,
@@ -20,6 +21,8 @@ from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.usual_values import USUAL
 
 Warnings = Iterator[SceneWarning]
+_BODIES = {"pin_track": "pin", "track": "disk"}
+"""Bodies by the names of their tracks."""
 
 
 def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning, ...]:
@@ -27,16 +30,8 @@ def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning
 
     `facts` are the numbers of the case from `estimate_contact`.
     """
-    warnings = [
-        *_unusual(sweep, facts),
-        *_narrow_window(sweep, facts),
-        *_surface_warnings(sweep, facts),
-    ]
-    if sweep.scene.wear is None:
-        warnings.append(SceneWarning("no_wear", "wear"))
-    warnings += _large_uncertainties(sweep)
-    warnings += [*_far_tests(sweep), *_fresh_specimens(sweep), *_cold_tracks(sweep)]
-    return tuple(dict.fromkeys(warnings))  # pin and disk may be of one material
+    # Pin and disk may be of one material.
+    return tuple(dict.fromkeys(warning for check in _CHECKS for warning in check(sweep, facts)))
 
 
 def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
@@ -47,20 +42,20 @@ def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
     of_columns = [*_unusual_values(sweep)]
     column_paths = {warning.path for warning in of_columns}
     of_entries = [warning for warning in sweep.warnings if warning.path not in column_paths]
-    checked_cases = single_cases(sweep, 12)  # each takes some 0.1 s
-    by_entry = dict[tuple[str, str], dict[str, SceneWarning]]()
-    for label, case, _ in checked_cases:
-        for warning in warnings_of_case(case, estimate_contact(case)):
-            # Cases that differ in the numbers of a warning share it.
-            by_entry.setdefault((warning.code, warning.path), {})[label] = warning
+    checked_cases = [  # each takes some 0.1 s
+        (label, case, estimate_contact(case)) for label, case, _ in single_cases(sweep, 12)
+    ]
     of_cases = list[SceneWarning]()
-    for by_label in by_entry.values():
-        first, *others = by_label.values()
-        cases = tuple(by_label) if len(by_label) < len(checked_cases) else ()
-        differs = any(warning.values != first.values for warning in others)
-        of_cases.append(
-            first._replace(cases=cases, of_case=next(iter(by_label)) if differs else "")
-        )
+    for check in _CHECKS:
+        by_path = dict[str, dict[str, SceneWarning]]()
+        for label, case, facts in checked_cases:
+            for warning in check(case, facts):
+                by_path.setdefault(warning.path, {})[label] = warning
+        for by_label in by_path.values():  # cases that differ in its numbers share a warning
+            first, *others = by_label.values()
+            cases = tuple(by_label) if len(by_label) < len(checked_cases) else ()
+            of_case = next(iter(by_label)) if any(other != first for other in others) else ""
+            of_cases.append(first._replace(cases=cases, of_case=of_case))
     return *of_columns, *of_entries, *of_cases
 
 
@@ -78,8 +73,8 @@ def _unusual_values(sweep: Sweep) -> Warnings:
         if len(numbers) == 1 or not warnings:
             yield from warnings
         else:
-            first, counts = warnings[0], (float(len(warnings)), float(len(numbers)))
-            yield first._replace(code="unusual_values", values=(*counts, *first.values))
+            count = f"{len(warnings)} of {len(numbers)} values"
+            yield warnings[0]._replace(words=f"{count}: {warnings[0].words}")
 
 
 def _unusual(sweep: Sweep, facts: ContactEstimate) -> Warnings:
@@ -109,10 +104,21 @@ def _narrow_window(sweep: Sweep, facts: ContactEstimate) -> Warnings:
         side = min(side, facts.window[1] / pin.hertz(1.0, 1e11).aspect)
     widest = max(facts.contact_width.high, 2 * facts.hertz_half_width.high)
     if widest >= side:
-        yield SceneWarning("narrow_window", "window.pixels", (widest, side))
+        words = (
+            f"the contact may grow to {display(widest, 'µm', 3)}, wider than the window "
+            f"({display(side, 'µm', 3)}); increase window.pixels"
+        )
+        yield SceneWarning("window.pixels", words, is_in_answers=True)
 
 
-def _far_tests(sweep: Sweep) -> Warnings:
+def _no_wear(sweep: Sweep, facts: ContactEstimate) -> Warnings:
+    """Warning of a scene without wear."""
+    if sweep.scene.wear is None:
+        words = "there is no table [wear]; an unworn contact stays narrow and runs hotter"
+        yield SceneWarning("wear", words)
+
+
+def _far_tests(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warning of the first test that is so far outside the sweep that its units may be wrong."""
     for test in sweep.tests:
         load, velocity = test.normal_load, test.velocity
@@ -120,7 +126,9 @@ def _far_tests(sweep: Sweep) -> Warnings:
             not min(simulated) / 10 <= value <= 10 * max(simulated)
             for value, simulated in ((load, sweep.loads), (velocity, sweep.velocities))
         ):
-            yield SceneWarning("far_test", "", (load, velocity))
+            test_point = f"{load:g} N at {velocity:g} m/s"
+            words = f"the test at {test_point} lies far outside the sweep: check its units"
+            yield SceneWarning("", words)
             return
 
 
@@ -128,34 +136,54 @@ def _surface_warnings(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     scene, surface = sweep.scene, facts.surface
     lies_along = surface is not None and surface.lay is not None and surface.lay <= 30  # [°]
     if lies_along and scene.wear and scene.wear.pattern == "swept":
-        yield SceneWarning("lay_along_sliding", "wear.pattern")
+        words = (
+            "the grooves run along the sliding direction; if the same grooves pass the pin again, "
+            'pattern = "swept" makes the rise about 50 % too high: use pattern = "local"'
+        )
+        yield SceneWarning("wear.pattern", words)
     if isinstance(scene.roughness, SelfAffineRoughness):
         sides = zip("xy", scene.roughness.correlation_length, facts.window, strict=True)
         for axis, length, side in sides:
             if length > side / 3:
-                path = "disk.roughness.correlation_length"
-                yield SceneWarning("long_correlation", path, (axis, length))
+                words = (
+                    f"along {axis} it is {display(length, 'µm', 3)}, more than a third of the "
+                    "window, so that temperatures vary strongly between surface realizations: "
+                    "increase window.pixels, or simulate several (sweep.realizations)"
+                )
+                yield SceneWarning("disk.roughness.correlation_length", words)
 
 
-def _large_uncertainties(sweep: Sweep) -> Warnings:
+def _large_uncertainties(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warn of uncertainties by which the rise may no longer change linearly."""
     for entries, deviation in sweep.base.uncertainty:
         if deviation > LINEAR_UNCERTAINTY and not {*entries} & {*CLOSED_FORM}:
-            path = f"uncertainty.{', '.join(entries)}"
-            yield SceneWarning("large_uncertainty", path, (deviation, LINEAR_UNCERTAINTY))
+            words = (
+                f"{100 * deviation:.3g} % is more than {100 * LINEAR_UNCERTAINTY:.3g} %, up to "
+                "which the effect of inputs was found to be linear: compare values by sweep.over"
+            )
+            yield SceneWarning(f"uncertainty.{', '.join(entries)}", words)
 
 
-def _cold_tracks(sweep: Sweep) -> Warnings:
+def _cold_tracks(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warning that the heat of earlier revolutions of a track is left out."""
     if tracks := cold_tracks(sweep):
-        bodies = {"pin_track": "pin", "track": "disk"}
-        values = list[float | str]()
-        for name, track in tracks.items():
-            values += [bodies[name], track.length if track else "unknown"]
-        yield SceneWarning("cold_tracks", "", tuple(values))
+        lengths = {_BODIES[name]: track and track.length for name, track in tracks.items()}
+        texts = " and ".join(
+            f"the {body} (track of {display(length, 'mm', 3)})"
+            if length
+            else f"the {body} (length of its track unknown: set motion.{body}_track_length)"
+            for body, length in lengths.items()
+        )
+        entries = " and ".join(f"{body}.diameter" for body in lengths)
+        words = (
+            f"heat from earlier revolutions of {texts} is not included; it warms the contact "
+            f"further: set {entries} and width, or track_length, or enter the bulk temperature of "
+            "the warm tracks"
+        )
+        yield SceneWarning("", words, is_in_answers=True)
 
 
-def _fresh_specimens(sweep: Sweep) -> Warnings:
+def _fresh_specimens(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warning of runs by stages that are simulated as fresh specimens.
 
     The stages before its two ends are stated by no entry.
@@ -165,5 +193,16 @@ def _fresh_specimens(sweep: Sweep) -> Warnings:
         if isinstance(test.case.scene.loading, Ramp):
             runs.setdefault(str(test.number), []).append(test)
     if names := [name for name, tests in runs.items() if len(tests) > 1]:
-        unlisted = float(max(0, len(names) - 3))
-        yield SceneWarning("fresh_specimens", "", (", ".join(names[:3]), unlisted))
+        words = (
+            f"{'tests' if len(names) > 1 else 'test'} {listed(names, 3)}: one specimen at several "
+            "points, but each is simulated as a fresh specimen and thus too hot: give its load "
+            "stages"
+        )
+        yield SceneWarning("", words)
+
+
+_CHECKS: tuple[Callable[[Sweep, ContactEstimate], Warnings], ...] = (
+    _unusual, _narrow_window, _surface_warnings, _no_wear, _large_uncertainties, _far_tests,
+    _fresh_specimens, _cold_tracks,
+)  # fmt: skip
+"""Checks of a case, by the gravity of what they warn of."""

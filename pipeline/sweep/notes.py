@@ -1,10 +1,11 @@
-"""Notes and warnings on a scene, the latter as codes with values; and values of the library."""
+"""Notes and warnings on a scene, and values of the library."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
+from pipeline.messages import listed
 from pipeline.units import unusual
 
 
@@ -20,26 +21,30 @@ class SceneNote(NamedTuple):
         return f"{self.path}: {self.words}" if self.path else self.words
 
 
-Code = Literal[
-    "unusual", "unusual_values", "narrow_window", "lay_along_sliding", "long_correlation",
-    "no_wear", "far_test", "fresh_specimens", "cold_tracks", "large_uncertainty",
-]  # fmt: skip
-"""Kinds of warnings."""
-
-
 class SceneWarning(NamedTuple):
-    """A probable mistake in a scene, or a limit of the model: a code, and its values [SI].
+    """A probable mistake in a scene, or a limit of the model.
 
     `path` is the path of the entry that it is about, empty for no single entry. `cases` has the
-    labels of the cases that it is about, empty for all; `of_case` is the case that the values are
-    of, empty if they are the same in all.
+    labels of the cases that it is about, empty for all; `of_case` is the case that its numbers are
+    of, empty if they are the same in all. Answers state a warning themselves, at the points that it
+    concerns, if `is_in_answers`.
     """
 
-    code: Code
-    path: str = ""
-    values: tuple[float | str, ...] = ()
+    path: str
+    words: str
+    is_in_answers: bool = False
     cases: tuple[str, ...] = ()
     of_case: str = ""
+
+    @property
+    def text(self) -> str:
+        """The warning as text, after the path of its entry."""
+        words = self.words
+        if self.cases or self.of_case:
+            names = listed(self.cases) or "all cases"
+            of_case = f"; numbers are of case {self.of_case}" if self.of_case else ""
+            words = f"{words} (in {names}{of_case})"
+        return f"{self.path}: {words}" if self.path else words
 
 
 def unusual_warning(
@@ -49,9 +54,8 @@ def unusual_warning(
 
     If `usual` is None, no value is unusual.
     """
-    if usual is None or not unusual(value, usual, unit):
-        return []
-    return [SceneWarning("unusual", path, (float(value), *map(float, usual), unit))]
+    words = unusual(value, usual, unit)
+    return [SceneWarning(path, words)] if words else []
 
 
 class FromLibrary(NamedTuple):

@@ -11,7 +11,6 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.point_text import to_decide
-from pipeline.answers.scene_wording import warning_text
 
 SMALL = {
     "without": ["tests"],
@@ -200,7 +199,7 @@ def test_large_uncertainties_are_warned_of():
         **{CONDUCTIVITY: "60 %", WEAR: "40 %", "friction.coefficient": "60 %"}
     ).all_warnings
     assert warning.path == f"uncertainty.{CONDUCTIVITY}"
-    assert "60 % is more than 40 %" in warning_text(warning)
+    assert "60 % is more than 40 %" in warning.words
 
 
 def test_check_and_a_dry_run_count_the_points_of_uncertain_inputs_and_the_missing_ones(

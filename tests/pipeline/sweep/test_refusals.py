@@ -159,8 +159,8 @@ REFUSALS = {
                     "1.6e+07 points are too many; give"),
     # data of sweeps
     "class": (data(warnings=[{"is": "os"}]), "this version has no class 'os'"),
-    "field less": (data(warnings=[{"is": "SceneWarning"}]), "this version needs SceneWarning.code"),
-    "field more": (data(warnings=[{"is": "SceneWarning", "code": "unusual", "later": 1}]),
+    "field less": (data(warnings=[{"is": "SceneWarning"}]), "this version needs SceneWarning.path"),
+    "field more": (data(warnings=[{"is": "SceneWarning", "path": "", "words": "", "later": 1}]),
                    "this version has no SceneWarning.later"),
     "no data": (lambda: sweep_of_plain({}, {}), "this version needs 'base', which is missing"),
     "bias": (lambda: replace(tiny.sweep().base, model_bias=1.2), "model bias 1.2 and scatter"),
