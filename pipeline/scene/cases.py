@@ -39,7 +39,6 @@ from tribo import InputError, SelfAffineRoughness
 
 _UNVARIED_TABLES = ("sweep", "title", "note", "extends", "without", "tests", "uncertainty")
 """Entries and tables that cannot take several values."""
-CaseRow = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class Cases:
 
 def with_first_case(
     entries: Entries, files: Files, faults: Faults
-) -> tuple[Entries, list[CaseRow] | None]:
+) -> tuple[Entries, list[dict[str, Any]] | None]:
     """Entries with the first value of ``over``, and the first row of ``along``, as defaults.
 
     Also returns the rows of ``along``, as entries by path and labels by heading; None if they have
@@ -70,7 +69,7 @@ def with_first_case(
     entries = merged(replace_values({}, firsts), entries)
     if not along or (isinstance(along, list) and len(along) > MAX_ON_AXIS):
         return entries, []  # a list that is empty or too long is refused by the format
-    rows = list[CaseRow]()
+    rows = list[dict[str, Any]]()
     with faults.at("sweep.along"):
         rows = _rows_along(along, files, faults)
     if not rows:
@@ -99,7 +98,7 @@ def _load_factors(entries: Entries) -> tuple[float, ...]:
     return LOAD_FACTORS.read(factors, "", Faults()) or () if factors else ()
 
 
-def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
+def _rows_along(along: Any, files: Files, faults: Faults) -> list[dict[str, Any]]:
     """Rows of ``along``, in the scene or in a file, as entries by path and labels by heading."""
     if isinstance(along, list):
         table = _table_of_scene([dict(flat(row)) for row in along if isinstance(row, dict)])
@@ -122,7 +121,7 @@ def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
     return rows
 
 
-def _table_of_scene(rows: list[CaseRow]) -> Table:
+def _table_of_scene(rows: list[dict[str, Any]]) -> Table:
     """Table of rows that are listed in a scene."""
     names = [*dict.fromkeys(name for row in rows for name in row)]
     if len(names) > MAX_VARIED_ENTRIES:
@@ -138,7 +137,7 @@ def _table_of_scene(rows: list[CaseRow]) -> Table:
     return Table("the rows", columns, range(1, len(rows) + 1))
 
 
-def listed_cases(scene: BuiltScene, along: list[CaseRow]) -> Cases:
+def listed_cases(scene: BuiltScene, along: list[dict[str, Any]]) -> Cases:
     """Cases of a scene: the rows of ``along``, by ``over``, by the seeds of its surfaces."""
     sweep, cases = scene.tables.sweep, Cases()
     if along:
@@ -170,7 +169,7 @@ def _cases_over(over: dict[str, Any]) -> Cases:
     return cases
 
 
-def _cases_along(rows: list[CaseRow], load_factors: Sequence[float]) -> Cases:
+def _cases_along(rows: list[dict[str, Any]], load_factors: Sequence[float]) -> Cases:
     for text in (text for row in rows for pair in row.items() for text in pair):
         if isinstance(text, str) and is_unprintable(text):
             raise InputError(
