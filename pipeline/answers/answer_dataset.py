@@ -31,9 +31,9 @@ from pipeline.answers.scene_wording import (
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.verdict_limits import Side
 from pipeline.answers.verdict_model import ORIGINS, VERDICTS, Flag, VerdictModel
-from pipeline.messages import join_notes
+from pipeline.messages import join_notes, pluralized
 from pipeline.store.schema import PLANE
-from pipeline.sweep.sweep import cold_tracks
+from pipeline.sweep.sweep import BODIES, cold_tracks
 from tribo import Corrections, Track
 from tribo.simulation.corrections import NEEDED
 
@@ -110,14 +110,6 @@ ATTRIBUTES = (
     "tests_without_result", "verdicts_withheld", "not_included", "notes",
 )  # fmt: skip
 """Attributes of an answer; they are coordinates if cases differ in them."""
-_BODIES = {"pin_track": "pin", "track": "disk"}
-"""Bodies by the names of their tracks."""
-_MODEL_ERRORS = (
-    "{} to {} % of the temperature rise (90 % range, from the prior)",
-    "{} to {} % of the temperature rise (90 % range, from 1 test and the prior)",
-    "{} to {} % of the temperature rise (90 % range, from {} tests and the prior)",
-)
-"""Range of the model error without tests, with one, and with several."""
 
 
 def answer_dataset(
@@ -219,9 +211,11 @@ def answer_attributes(model: VerdictModel, is_varied: bool = False) -> dict[str,
 def model_error(evidence: Evidence) -> str:
     """Range of the model error relative to the rise, and the number of tests."""
     ends = (100 * math.expm1(-evidence.posterior.level(p)) for p in (0.95, 0.05))
-    signed = [f"{x:+.0f}" if abs(x) >= 10 else f"{x:+.2g}" for x in ends]
+    low, high = (f"{x:+.0f}" if abs(x) >= 10 else f"{x:+.2g}" for x in ends)
     count = len(evidence.specimens)
-    return _MODEL_ERRORS[min(count, 2)].format(*signed, count).replace("-", "−")
+    source = f"{pluralized(count, 'test', 'tests')} and the prior" if count else "the prior"
+    text = f"{low} to {high} % of the temperature rise (90 % range, from {source})"
+    return text.replace("-", "−")
 
 
 def uncertain_inputs(evidence: Evidence) -> str:
@@ -244,11 +238,11 @@ def _effects_left_out(model: VerdictModel, is_varied: bool) -> Iterator[str]:
     tracks = cold_tracks(model.case.sweep)
     known = {name: track for name, track in tracks.items() if track}
     if known:
-        bodies = " and the ".join(_BODIES[name] for name in known)
+        bodies = " and the ".join(BODIES[name] for name in known)
         severe = "" if is_varied else _severe_with_earlier_revolutions(model, known)
         yield f"heat from earlier revolutions of the {bodies}{severe}"
     for name in sorted(tracks.keys() - known.keys()):
-        body = _BODIES[name]
+        body = BODIES[name]
         yield (
             f"heat from earlier revolutions of the {body} (unknown; set motion.{body}_track_length)"
         )

@@ -22,12 +22,6 @@ from pipeline.answers.value_text import (
 )
 from pipeline.quantities import UNITS, ZERO
 
-_PROBABILITIES = {
-    "sure": "probability of severe wear {probability}, {distance}",
-    "range": "probability of severe wear {probability} ({low} to {high}), {distance}",
-    "unknown": "probability of severe wear {probability}, numerical error unknown, {distance}",
-}
-"""Probability at a point, by what is known of its range."""
 _ORIGINS = {
     "simulated": "{} °C, simulated at this point",
     "interpolated": "{} °C, interpolated between simulated points",
@@ -125,16 +119,15 @@ def probability_line(point: xr.Dataset) -> str:
     ends = point["probability_low"].item(), point["probability_high"].item()
     probability = probability_text(point["probability"].item())
     low, high = probability_text(ends[0], math.floor), probability_text(ends[1], math.ceil)
-    known = "sure" if low == high or ends[0] == ends[1] else "range"
-    if math.isnan(point["temperature_error"].item()):
-        known = "unknown"
     margin = format_variable(point, "temperature_margin")
     distance = f"{margin} K below the critical temperature"
     if margin.startswith("-"):
         distance = f"{margin[1:]} K above the critical temperature"
-    return _PROBABILITIES[known].format(
-        probability=probability, low=low, high=high, distance=distance
-    )
+    if math.isnan(point["temperature_error"].item()):
+        return f"probability of severe wear {probability}, numerical error unknown, {distance}"
+    if low == high or ends[0] == ends[1]:
+        return f"probability of severe wear {probability}, {distance}"
+    return f"probability of severe wear {probability} ({low} to {high}), {distance}"
 
 
 def _temperature(point: xr.Dataset) -> str:

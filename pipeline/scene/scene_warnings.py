@@ -16,13 +16,11 @@ from pipeline.scene.contact_estimate import (
 from pipeline.scene.format import number_at
 from pipeline.sweep.case import CLOSED_FORM, SpecimenTest
 from pipeline.sweep.notes import SceneWarning, unusual_warning
-from pipeline.sweep.sweep import Sweep, cold_tracks
+from pipeline.sweep.sweep import BODIES, Sweep, cold_tracks
 from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.usual_values import USUAL
 
 Warnings = Iterator[SceneWarning]
-_BODIES = {"pin_track": "pin", "track": "disk"}
-"""Bodies by the names of their tracks."""
 
 
 def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning, ...]:
@@ -167,7 +165,7 @@ def _large_uncertainties(sweep: Sweep, facts: ContactEstimate) -> Warnings:
 def _cold_tracks(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warning that the heat of earlier revolutions of a track is left out."""
     if tracks := cold_tracks(sweep):
-        lengths = {_BODIES[name]: track and track.length for name, track in tracks.items()}
+        lengths = {BODIES[name]: track and track.length for name, track in tracks.items()}
         texts = " and ".join(
             f"the {body} (track of {display(length, 'mm', 3)})"
             if length

@@ -28,6 +28,8 @@ from tribo import (
 
 TABLE_OF_PART = {"wear": "wear", "roughness": "disk.roughness"}
 """Tables of the scene file that `Sweep.with_scene` replaces, by its arguments."""
+BODIES = {"pin_track": "pin", "track": "disk"}
+"""Bodies by the names of their tracks in `Corrections`."""
 _WRAP_PART: dict[str, Callable[[Scene, Any], Any]] = {"wear": user_law, "roughness": user_surface}
 """Functions that check a law or surface of a user, and add what a store keeps of it."""
 
@@ -351,9 +353,9 @@ class Sweep:
 def cold_tracks(sweep: Sweep) -> dict[str, Track | None]:
     """Tracks of rolling bodies that the scene treats as cold, although they have been warmed.
 
-    A value is None if the length of the body's track is unknown. Keys are "pin_track" and "track"
-    (of the disk), as in `Corrections`. The result is empty if no body rolls, all velocities are 0,
-    or the heat of earlier revolutions is included.
+    A value is None if the length of the body's track is unknown; keys are those of `BODIES`. The
+    result is empty if no body rolls, all velocities are 0, or the heat of earlier revolutions is
+    included.
     """
     if sweep.base.includes_earlier_revolutions:
         return {}
