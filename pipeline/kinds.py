@@ -93,7 +93,8 @@ class Kind:
     def _read(self, value: Any, path: str, faults: Faults) -> Any:
         """Read an entry or raise a `UnitError`; faults in a list are added to `faults`."""
         result = self._value(value)
-        faults.warnings += unusual_warning(path, result, self.usual, self.unit)
+        if result:  # 0 leaves an effect out
+            faults.warnings += unusual_warning(path, result, self.usual, self.unit)
         return result
 
     def _value(self, value: Any) -> Any:

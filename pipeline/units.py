@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pipeline.quantities import DIMENSIONS, ZERO, in_unit
+from pipeline.quantities import DIMENSIONS, ZERO
 from tribo import InputError, TriboError
 
 if TYPE_CHECKING:
@@ -237,19 +237,3 @@ def typeset(text: str) -> str:
     for typed, sign in {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}.items():
         text = text.replace(typed, sign)
     return text
-
-
-def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
-    """Warning that `value` [SI] is outside its usual range; else empty.
-
-    `usual` has both ends of this range in `unit`, in which the warning states them. If `usual` is
-    None, no value is unusual.
-    """
-    (low, high), unit = usual or (-math.inf, math.inf), typeset(unit)
-    number, suffix = in_unit(value, unit), f" {unit}" if unit else ""
-    if low <= number <= high:
-        return ""
-    return (
-        f"{number:.3g}{suffix} is unusual ({low:g} to {high:g}{suffix} is common): "
-        "check number and unit"
-    )

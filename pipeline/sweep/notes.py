@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from pipeline.messages import listed
-from pipeline.units import unusual
+from pipeline.quantities import in_unit
+from pipeline.units import typeset
 
 
 class SceneNote(NamedTuple):
@@ -52,10 +53,19 @@ def unusual_warning(
 ) -> list[SceneWarning]:
     """Warning that a value [SI] is outside its usual range, which is in `unit`; empty if it is not.
 
-    If `usual` is None, no value is unusual.
+    If `usual` is None, no value is unusual; NaN, for a value that is not known, is none either.
     """
-    words = unusual(value, usual, unit)
-    return [SceneWarning(path, words)] if words else []
+    if usual is None:
+        return []
+    (low, high), unit = usual, typeset(unit)
+    number, suffix = in_unit(value, unit), f" {unit}" if unit else ""
+    if not (number < low or high < number):
+        return []
+    words = (
+        f"{number:.3g}{suffix} is unusual ({low:g} to {high:g}{suffix} is common): "
+        "check number and unit"
+    )
+    return [SceneWarning(path, words)]
 
 
 class FromLibrary(NamedTuple):
