@@ -1,4 +1,4 @@
-"""Words of messages: values as in a scene file, the nearest of known names, and notes."""
+"""Words of messages: values as in a scene file, and the nearest of known names."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import difflib
 import json
 import re
 from collections.abc import Iterable, Sequence
-
-_SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 _UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
@@ -59,16 +57,6 @@ def key_path(table: str, key: str) -> str:
     """Path of a key within the table at path `table`, quoted as TOML needs it."""
     bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
     return f"{table}.{bare}" if table else bare
-
-
-def join_notes(notes: Iterable[str]) -> str:
-    """Return the text of one table cell with all `notes`, without repeats."""
-    return _SEPARATOR.join(dict.fromkeys(notes))
-
-
-def split_notes(cells: Iterable[str]) -> list[str]:
-    """Return the notes in `cells`, texts made by `join_notes`, without repeats."""
-    return [*dict.fromkeys(note for cell in cells if cell for note in cell.split(_SEPARATOR))]
 
 
 def listed(names: Sequence[str], max_count: int = 6) -> str:

@@ -29,9 +29,10 @@ from pipeline.answers.scene_wording import (
     warning_lines,
 )
 from pipeline.answers.specimen import specimen_of
+from pipeline.answers.value_text import join_texts
 from pipeline.answers.verdict_limits import Side
 from pipeline.answers.verdict_model import ORIGINS, VERDICTS, Flag, VerdictModel
-from pipeline.messages import join_notes, pluralized
+from pipeline.messages import pluralized
 from pipeline.store.schema import PLANE
 from pipeline.sweep.sweep import BODIES, cold_tracks
 from tribo import Corrections, Track
@@ -127,10 +128,9 @@ def answer_dataset(
     attributes, *further = (answer_attributes(model, is_varied) for model in models)
     for name, text in attributes.items():
         if isinstance(text, str):
-            texts = text, *(str(other[name]) for other in further)
-            attributes[name] = join_notes(filter(None, texts))
+            attributes[name] = join_texts((text, *(str(other[name]) for other in further)))
     unusual = unusual_condition_lines(models[0].case.sweep, varied)
-    attributes["notes"] = join_notes(filter(None, (*unusual, str(attributes["notes"]))))
+    attributes["notes"] = join_texts((*unusual, str(attributes["notes"])))
     answer = with_attributes(xr.Dataset(data, axes)).assign_attrs(attributes)
     for axis, ends in models[0].ranges.items():
         for name in (f"mild_{axis}", f"severe_{axis}"):
@@ -200,11 +200,11 @@ def answer_attributes(model: VerdictModel, is_varied: bool = False) -> dict[str,
         "largest_input": evidence.inputs.largest[0] if evidence.inputs else "",
         "realizations": len(model.specimen.differences),
         "tests": len(evidence.specimens),
-        "outliers": join_notes(evidence.outliers),
+        "outliers": join_texts(evidence.outliers),
         "tests_without_result": evidence.waiting_text,
-        "verdicts_withheld": join_notes(filter(None, evidence.withheld.values())),
+        "verdicts_withheld": join_texts(evidence.withheld.values()),
         "not_included": ", ".join(_effects_left_out(model, is_varied)),
-        "notes": join_notes(_notes(model)),
+        "notes": join_texts(_notes(model)),
     }
 
 
@@ -287,8 +287,8 @@ def _notes(model: VerdictModel) -> Iterator[str]:
     conditions = {name: getattr(model.conditions, name) for name in CONDITION_NAMES}
     yield from unusual_condition_lines(sweep, conditions)
     warnings = warning_lines(sweep, answered=True)
-    lines = model.omitted_tests, sweep.note, *warnings, added_rise_words(model.conditions), unknown
-    yield from filter(None, lines)
+    yield from (model.omitted_tests, sweep.note or "", *warnings)
+    yield from (added_rise_words(model.conditions), unknown)
     if model.case.is_changed and model.evidence.specimens:
         yield (
             "the rises of the dataset were changed, but not those of the tests, which are a group "

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.value_text import attribute_texts, flag_names, format_error
-from pipeline.messages import listed, split_notes
+from pipeline.messages import listed
 from pipeline.store.schema import PLANE
 
 _MAX_REASONS = 6
@@ -17,16 +17,16 @@ _MAX_REASONS = 6
 
 def common_lines(answer: xr.Dataset) -> Iterator[str]:
     """Lines below any answer: outliers, tests without a result, missing points, notes."""
-    yield from split_notes(attribute_texts(answer, "outliers"))
+    yield from attribute_texts(answer, "outliers")
     yield from withheld_lines(answer)
     if missing := answer.attrs["missing_points"]:
         yield f"points that are pending or failed, and were not used: {missing}"
-    yield from split_notes(attribute_texts(answer, "notes"))
+    yield from attribute_texts(answer, "notes")
 
 
 def withheld_lines(answer: xr.Dataset) -> Iterator[str]:
     """Lines on verdicts that are withheld because tests have no result, or one outcome only."""
-    for reason in split_notes(attribute_texts(answer, "verdicts_withheld")):
+    for reason in attribute_texts(answer, "verdicts_withheld"):
         yield f"some verdicts are withheld: {reason}"
 
 
@@ -40,7 +40,7 @@ def conditions_lines(answer: xr.Dataset) -> list[str]:
 
 def model_error_line(answer: xr.Dataset) -> str:
     """Line on the model error of the first case, and the number of further cases."""
-    first, *further_texts = split_notes(attribute_texts(answer, "model_error"))
+    first, *further_texts = attribute_texts(answer, "model_error")
     if further_texts:
         return f"model error: {first}, and {len(further_texts)} more"
     return f"model error: {first}"
@@ -48,7 +48,7 @@ def model_error_line(answer: xr.Dataset) -> str:
 
 def uncertain_inputs_lines(answer: xr.Dataset) -> Iterator[str]:
     """Line on the uncertain inputs of the first case, and the number of further cases."""
-    texts = [*filter(None, split_notes(attribute_texts(answer, "uncertain_inputs")))]
+    texts = attribute_texts(answer, "uncertain_inputs")
     if texts:
         more = f", and {len(texts) - 1} more" if len(texts) > 1 else ""
         yield f"uncertain inputs: {texts[0]}{more}"

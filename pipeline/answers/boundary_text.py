@@ -13,7 +13,7 @@ from pipeline.answers.answer_lines import (
     uncertain_inputs_lines,
 )
 from pipeline.answers.point_text import ERROR_PARTS
-from pipeline.messages import split_notes
+from pipeline.answers.value_text import split_texts
 from tribo.types import Array
 
 
@@ -29,7 +29,7 @@ def ruling_lines(answer: xr.Dataset) -> Iterator[str]:
     texts, loads = xr.broadcast(answer["ruled_out_by"], answer["load"])
     loads_of = dict[str, list[float]]()
     for cell, load in zip(texts.values.ravel(), loads.values.ravel().tolist(), strict=True):
-        for text in split_notes([cell]):
+        for text in split_texts([cell]):
             loads_of.setdefault(text, []).append(load)
     for text, ruled_loads in loads_of.items():
         ends = dict.fromkeys(f"{load:g}" for load in (min(ruled_loads), max(ruled_loads)))

@@ -142,7 +142,7 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
     yield "governing temperature", origin.format(_temperature(point))
     yield "numerical error (95 %)", error_text(point)
     yield "model error", attribute_texts(point, "model_error")[0]
-    for text in filter(None, attribute_texts(point, "uncertain_inputs")):
+    for text in attribute_texts(point, "uncertain_inputs"):
         yield "uncertain inputs", text
     for axis in ("velocity", "load"):
         outcome = str(code_text(point[f"outcome_along_{axis}"])[()])

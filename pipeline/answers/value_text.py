@@ -6,7 +6,7 @@ Datasets, JSON and CSV files have all digits.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ LINE_OUTCOMES = {
     "outside the model": OUTSIDE,
 }
 """Sentences on lines without a critical value."""
+_SEPARATOR = " | "  # since sentences have semicolons
 _MAX_DIGITS = 4  # significant digits, however small the error is
 _DIGITS_WITHOUT_ERROR = 3  # significant digits if the error is unknown
 _TEMPERATURES = "governing_temperature", "temperature_margin"  # whose error is stated itself
@@ -47,10 +48,20 @@ def flag_names(variable: xr.DataArray, flags: int) -> list[str]:
     return [name for name, mask in pairs if flags & int(mask)]
 
 
+def join_texts(texts: Iterable[str]) -> str:
+    """Join several texts to that of an attribute or a cell, without repeats and empty ones."""
+    return _SEPARATOR.join(dict.fromkeys(filter(None, texts)))
+
+
+def split_texts(cells: Iterable[str]) -> list[str]:
+    """Texts in `cells` that `join_texts` has made, without repeats."""
+    return [*dict.fromkeys(text for cell in cells if cell for text in cell.split(_SEPARATOR))]
+
+
 def attribute_texts(answer: xr.Dataset, name: str) -> list[str]:
-    """Distinct values of an attribute; it is a coordinate if cases differ in it."""
+    """Distinct texts in an attribute; it is a coordinate if cases differ in it."""
     values: Any = [answer.attrs[name]] if name in answer.attrs else answer[name].values.ravel()
-    return [str(value) for value in dict.fromkeys(values) if value]
+    return split_texts(values)
 
 
 def probability_text(probability: float, round_percent: Callable[[float], float] = round) -> str:

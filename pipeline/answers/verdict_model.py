@@ -30,6 +30,7 @@ from pipeline.answers.evidence import Evidence, evidence_of
 from pipeline.answers.field import Field, LineOutcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.sweep_range import outside_reason
+from pipeline.answers.value_text import join_texts
 from pipeline.constants import MAX_EXTRAPOLATION, VERDICT_PROBABILITIES
 from pipeline.quantities import display
 from pipeline.sweep.case import Conditions, known_critical_temperature
@@ -371,7 +372,7 @@ class VerdictModel:
             is_decided = np.isclose(limits, velocities, rtol=2e-5) & (names != "")
             for k in np.flatnonzero(is_decided).tolist():
                 text = f"{names[k]} rules out {words} {velocities[k]:g} m/s"
-                notes[k] = f"{notes[k]} | {text}" if notes[k] else text
+                notes[k] = join_texts((notes[k], text))
         return notes
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:

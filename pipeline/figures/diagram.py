@@ -35,7 +35,6 @@ from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
 from pipeline.figures.tests_figure import UNDECIDED_LABEL, mark_tests
 from pipeline.kinds import LOAD, VELOCITY, Kind
-from pipeline.messages import split_notes
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
 from tribo import InputError
@@ -95,7 +94,7 @@ def diagram(
     style.write_title(axes, style.as_text(sweep_of(ds).title))
     lines.append("; ".join(notes))
     lines += [*not_included_lines(boundary)][:1]
-    lines += split_notes(attribute_texts(boundary, "notes"))[:1]
+    lines += attribute_texts(boundary, "notes")[:1]
     style.legend_below(
         figure, 2 if len(legend) == 4 else 3, handles=[*legend.values()], labels=[*legend] or None,
         caption="\n".join(lines), handler_map={tuple: HandlerTuple(ndivide=None)},

@@ -27,7 +27,6 @@ from pipeline.answers.verdict_limits import Side
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
-from pipeline.messages import split_notes
 from tribo import InputError
 
 MARKS: dict[int, tuple[str, dict[str, Any]]] = {
@@ -109,7 +108,7 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     style.write_title(figure, title)  # above the headings of the columns
     lines += conditions_lines(margins)
     lines += [f"model error: {text}" for text in attribute_texts(margins, "model_error")[:1]]
-    lines += split_notes(attribute_texts(margins, "notes"))[:1]
+    lines += attribute_texts(margins, "notes")[:1]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
 
