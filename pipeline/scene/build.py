@@ -193,7 +193,7 @@ def material_of(table: MaterialTable) -> tribo.Material:
 def window_of(window: Window, pin: Any, fidelity: tribo.Fidelity, faults: Faults) -> Window:
     """The window; under a pin with free ends as long as the pin, in pixels of about the same size.
 
-    The pixels are smaller along y by at most a few per mille, so that their number suits coarser
+    The pixels are smaller along y by at most some percent, so that their number suits coarser
     elements and the transforms. A note on them is added to `faults`.
     """
     if pin.ends != "free":

@@ -68,7 +68,7 @@ def _area(
     if not (count := math.prod(areas)):
         raise InputError(
             f"the scan has {shape[0]} × {shape[1]} heights along x and y, the window {size}; give "
-            "fewer window.pixels, or mirror the scan at its edges, mirror = true"
+            "fewer window.pixels or a larger scan, or mirror the scan at its edges, mirror = true"
         )
     if max(numbers) >= count:
         raise InputError(
