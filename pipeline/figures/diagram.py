@@ -88,7 +88,8 @@ def diagram(
         legend |= tests_legend
         _name_regions(axes, margins)
         notes = [*_mark_simulated(axes, ds, conditions), *notes]
-        lines += [*error_lines(boundary), *ruling_lines(boundary), *withheld_lines(boundary)]
+        lines += [*ruling_lines(boundary), *withheld_lines(boundary)]
+    lines[1:1] = error_lines(boundary)
     _set_axes(axes, case, [*tests, *operating_points], log)
     _mark_operating_points(axes, operating_points)
     style.write_title(axes, style.as_text(sweep_of(ds).title))

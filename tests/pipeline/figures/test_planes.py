@@ -169,6 +169,7 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     np.testing.assert_allclose(boundary[:, 0], expected, rtol=2e-3)
     title = legend.get_title().get_text()
     assert title.startswith("boundary by pin radius; conditions: ")
+    assert "numerical error" in title
     with pytest.raises(InputError, match="needs at least two loads and two velocities"):
         pipeline.plot(two_pins(loads=(400.0,)))
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))
