@@ -49,6 +49,7 @@ _VARIABLES = {
     "governing_temperature": ("K", "contact temperature compared with the critical temperature"),
     "temperature_error": ("K", "numerical error of the governing temperature (95 % bound)"),
     "temperature_margin": ("K", "critical minus governing temperature"),
+    "end_temperature": ("K", "governing temperature of the hottest end of the pin alone"),
     **{
         f"temperature_error_{part}": ("K", f"part of the numerical error: {meaning}")
         for part, meaning in PARTS.items()

@@ -33,7 +33,7 @@ _MARGIN_VARIABLES = (
     "friction_safety_factor", "velocity_safety_factor", "load_safety_factor",
 )  # fmt: skip
 _WITH_ERROR_DIGITS = re.compile(
-    "critical_(velocity|load|friction)(_p50)?|governing_temperature|temperature_margin"
+    "critical_(velocity|load|friction)(_p50)?|(governing|end)_temperature|temperature_margin"
 )
 """Variables whose digits depend on the numerical error."""
 _LIMIT = re.compile("(mild|severe)_(velocity|load|friction)|.*_safety_factor")
@@ -126,6 +126,8 @@ def complete_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
 def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
     """Main columns of `pipeline.margin`, with probabilities in words, for a reader."""
     user_columns, names = _user_columns(answer), [*_MARGIN_VARIABLES]
+    if "end_temperature" in answer:
+        names.insert(names.index("governing_temperature") + 1, "end_temperature")
     if "mild_load_factor" in answer:  # in place of the factors along lines of a plane
         names[-2:] = ["mild_load_factor"]
         texts = answer["mild_load_factor"].copy(data=load_factor_texts(answer))

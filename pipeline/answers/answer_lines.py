@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
+from pipeline.answers.pin_ends import is_severe_at_end
 from pipeline.answers.value_text import attribute_texts, flag_names, format_error
 from pipeline.messages import listed
 from pipeline.store.schema import PLANE
@@ -77,14 +78,20 @@ def reason_lines(answer: xr.Dataset) -> Iterator[str]:
         yield f"further points without a verdict: {rest}; see the column reason of -o TABLE.csv"
 
 
-def edge_warnings(points: xr.Dataset) -> Iterator[str]:
-    """Yield a warning if the contact of a point reaches the edge of the window."""
+def contact_warnings(points: xr.Dataset) -> Iterator[str]:
+    """Yield a warning if the contact of a point reaches an edge, or is severe at an end alone."""
     flags = points["warning_flags"]
     if "contact_at_edge" in flag_names(flags, int(np.bitwise_or.reduce(flags.values.ravel()))):
         at = "at some points, " if flags.ndim else ""
         yield (
             f"warning: {at}the contact reaches the edge of the window nearby; increase "
             "window.pixels"
+        )
+    if "end_temperature" in points and (is_severe_at_end(points)).any():
+        at = "at some points, " if flags.ndim else ""
+        yield (
+            f"warning: {at}the hottest end of the pin is above the critical temperature, but the "
+            "verdict on the whole pin is mild; relieve the ends, or let them wear"
         )
 
 

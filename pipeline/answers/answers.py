@@ -24,6 +24,7 @@ from pipeline.answers.condition_values import (
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import LineOutcome
 from pipeline.answers.load_factors import with_governing_row, with_mild_load_factor
+from pipeline.answers.pin_ends import end_temperatures
 from pipeline.answers.remedies import remedies
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_limits import Side, friction_limits, line_limits
@@ -217,6 +218,7 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
         velocity=np.array([snap(speed, *velocity_range) for speed in points.velocity.tolist()]),
     )
     columns = model.points(points)
+    columns |= end_temperatures(model, points, columns["governing_temperature"])
     is_known = ~np.isnan(columns["log_rise_ratio"])
     known_points = points.take(is_known)
     for axis in ("velocity", "load"):
@@ -325,7 +327,8 @@ def _boundary_of_case(case: CaseResults, overrides: Mapping[str, xr.DataArray]) 
 def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     """Limits by the verdict at the loads of points, critical velocities, and their errors."""
     columns = model.critical("velocity", points)
-    parts = model.velocity_errors(points.load, columns["critical_velocity"])
+    critical = points._replace(velocity=columns["critical_velocity"])
+    parts = model.velocity_errors(critical.load, critical.velocity)
     mild, severe = (
         line_limits(model, "velocity", verdict, points, None) for verdict in (MILD, SEVERE)
     )
@@ -339,7 +342,8 @@ def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
         "velocity_error": total(parts),
         **{f"velocity_error_{part}": error for part, error in zip(PARTS, parts, strict=True)},
         "ruled_out_by": model.ruling_tests(points, mild.values, severe.values),
-        **_film_parameters(model, "load", points._replace(velocity=columns["critical_velocity"])),
+        **_film_parameters(model, "load", critical),
+        **end_temperatures(model, critical),
     }
 
 

@@ -12,14 +12,16 @@ from pipeline.answers.answer_lines import (
     not_included_lines,
     uncertain_inputs_lines,
 )
+from pipeline.answers.pin_ends import end_lines
 from pipeline.answers.point_text import ERROR_PARTS
 from pipeline.answers.value_text import split_texts
 from tribo.types import Array
 
 
 def boundary_lines(answer: xr.Dataset) -> Iterator[str]:
-    """Lines on a boundary: effects not included, tests that limit it, and errors."""
+    """Lines on a boundary: effects not included, ends of the pin, tests that limit it, errors."""
     yield from not_included_lines(answer)
+    yield from end_lines(answer)
     yield from ruling_lines(answer)
     yield from error_lines(answer)
 

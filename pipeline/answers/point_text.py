@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 import xarray as xr
 
-from pipeline.answers.answer_lines import edge_warnings, not_included_lines
+from pipeline.answers.answer_lines import contact_warnings, not_included_lines
+from pipeline.answers.pin_ends import end_text
 from pipeline.answers.value_text import (
     LINE_OUTCOMES,
     OUTSIDE,
@@ -60,7 +61,7 @@ def margin_lines(point: xr.Dataset, has_ends: bool = True) -> Iterator[str]:
         yield line
     yield from not_included_lines(point)
     yield from (f"  {name:22}  {text}" for name, text in margin_facts(point))
-    yield from edge_warnings(point)
+    yield from contact_warnings(point)
 
 
 def headline(point: xr.Dataset, has_ends: bool = True) -> str:
@@ -140,6 +141,8 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
     yield "conditions", attribute_texts(point, "conditions")[0]
     origin = _ORIGINS[str(code_text(point["origin"])[()])]
     yield "governing temperature", origin.format(_temperature(point))
+    if end := end_text(point):
+        yield "hottest end of the pin", end
     yield "numerical error (95 %)", error_text(point)
     yield "model error", attribute_texts(point, "model_error")[0]
     for text in attribute_texts(point, "uncertain_inputs"):

@@ -26,7 +26,8 @@ LINE_OUTCOMES = {
 _SEPARATOR = " | "  # since sentences have semicolons
 _MAX_DIGITS = 4  # significant digits, however small the error is
 _DIGITS_WITHOUT_ERROR = 3  # significant digits if the error is unknown
-_TEMPERATURES = "governing_temperature", "temperature_margin"  # whose error is stated itself
+_TEMPERATURES = "governing_temperature", "temperature_margin", "end_temperature"
+"""Variables whose error is that of the governing temperature."""
 
 
 def code_text(variable: xr.DataArray) -> Any:

@@ -22,7 +22,7 @@ from pipeline.answers.answer_frames import (
 from pipeline.answers.answer_lines import (
     common_lines,
     conditions_lines,
-    edge_warnings,
+    contact_warnings,
     model_error_line,
     not_included_lines,
     reason_lines,
@@ -143,7 +143,7 @@ def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame
         "",
         *hint,
         *reason_lines(margins),
-        *edge_warnings(margins),
+        *contact_warnings(margins),
         model_error_line(margins),
         *uncertain_inputs_lines(margins),
         *common_lines(margins),

@@ -25,6 +25,7 @@ from pipeline.answers.answer_lines import not_included_lines, withheld_lines
 from pipeline.answers.boundary_text import error_lines, ruling_lines
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import argument_array
+from pipeline.answers.pin_ends import end_lines
 from pipeline.answers.regions import Region, regions
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import named_value
@@ -88,7 +89,7 @@ def diagram(
         legend |= tests_legend
         _name_regions(axes, margins)
         notes = [*_mark_simulated(axes, ds, conditions), *notes]
-        lines += [*ruling_lines(boundary), *withheld_lines(boundary)]
+        lines += [*end_lines(boundary), *ruling_lines(boundary), *withheld_lines(boundary)]
     lines[1:1] = error_lines(boundary)
     _set_axes(axes, case, [*tests, *operating_points], log)
     _mark_operating_points(axes, operating_points)

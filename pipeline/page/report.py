@@ -30,7 +30,7 @@ from pipeline.answers.answer_frames import (
 from pipeline.answers.answer_lines import (
     common_lines,
     conditions_lines,
-    edge_warnings,
+    contact_warnings,
     model_error_line,
     not_included_lines,
     reason_lines,
@@ -242,7 +242,7 @@ def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> P
     if advice := to_decide(margin):
         lines.append(f"To decide it, {advice}")
     lines += [_probability_sentence(margin), *not_included_lines(margin)]
-    lines += [*edge_warnings(margin), *common_lines(margin)]
+    lines += [*contact_warnings(margin), *common_lines(margin)]
     facts = [*map(list, margin_facts(margin))]
     table = PageTable("The operating point in numbers", ["quantity", "value"], facts)
     sections, appendix = _plane_sections(ds, conditions, [(load, velocity)])
@@ -275,7 +275,7 @@ def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> P
     lines[:0] = load_factor_lines(margins)
     if verdict_code in HEADLINES:
         lines.insert(0, _probability_sentence(margins.isel({dimension: critical_row})))
-    lines += [*edge_warnings(margins), *common_lines(margins)]
+    lines += [*contact_warnings(margins), *common_lines(margins)]
     caption = "Temperature margin of each row: critical minus governing temperature."
     frame, table_caption = margin_frame(margins), "Operating points; the deciding one is bold"
     notes = _sentences([*conditions_lines(margins), *reason_lines(margins)])

@@ -14,6 +14,7 @@ from pipeline.sweep.plan import TEST_POINT
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
+from tribo.simulation.pin_ends import has_free_ends
 from tribo.types import Array
 
 FORMAT = 47
@@ -117,6 +118,14 @@ FILM = {
     "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth, worn contact"),
 }
 """Variables of the contact at the last step, from which answers compute the oil film."""
+ENDS = {
+    "end_rise_ratio": Variable(
+        (*PLANE, "area_fraction_below"),
+        "1",
+        "quantile of the rise at the hottest end of the pin over that of the whole pin",
+    )
+}
+"""Variables of a pin that is computed with its ends, at the last step; others do not have them."""
 _STATUS_ATTRIBUTES = {
     "flag_values": [NOT_NEEDED, DONE, FAILED, PENDING],
     "flag_meanings": "not_needed done failed pending",
@@ -138,9 +147,9 @@ INPUTS = "inputs"
 ABOUT, OF_FIELDS, OF_TESTS = "about", "fields", "tests"
 """Zarr groups: facts of the store, fields with their coordinates, points of tests."""
 _IN_FIELDS = ("x", "y", FIELD_REALIZATION, *FIELDS)
-VARIABLES = COORDINATES | RECORDS | COLUMNS | SAMPLING | FILM | FIELDS
+VARIABLES = COORDINATES | RECORDS | COLUMNS | SAMPLING | FILM | ENDS | FIELDS
 """All variables that a store may have."""
-DATA = COLUMNS | SAMPLING | FILM | FIELDS
+DATA = COLUMNS | SAMPLING | FILM | ENDS | FIELDS
 """All results of a simulation."""
 
 
@@ -225,6 +234,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     absent = {*ROWS, *of_cases}  # the case table has the columns `ROWS`
     absent |= {LOAD_FACTOR} if not plane_dims else set()
     absent |= {*_IN_FIELDS} if not sweep.fields else set()
+    absent |= set() if any(has_free_ends(case.scene) for case in sweep.cases) else {*ENDS}
     absent |= {FIELD_REALIZATION} if not surface else set()
     for name, variable in VARIABLES.items():
         if name in absent:

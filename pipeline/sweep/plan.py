@@ -35,6 +35,7 @@ from tribo.simulation import (
     stages_of,
 )
 from tribo.simulation.film import film_inlet
+from tribo.simulation.pin_ends import end_rise_ratio
 from tribo.simulation.verdict import verdict
 from tribo.types import Array
 
@@ -69,6 +70,9 @@ class PointResult:
     #: Integral of the inlet [1/m] and mean pressure [Pa], by which an oil's film is judged; NaN if
     #: not computed, and under a ball.
     film: Mapping[str, Any] = field(default_factory=lambda: _NO_FILM)
+    #: Quantiles of the rise at the hottest end of the pin over those of the whole pin; NaN if the
+    #: pin is not computed with its ends.
+    end_rise_ratio: Array = field(default_factory=lambda: _NO_QUANTILES)
 
     @property
     def fields(self) -> dict[str, Array]:
@@ -91,7 +95,7 @@ class PointResult:
         columns = {name: column.copy() for name, column in self.columns.items()}
         for column in columns.values():
             column[-1] = _without_nan(column[-1])
-        estimates = self.sampling | {**self.film}
+        estimates = self.sampling | {**self.film, "end_rise_ratio": self.end_rise_ratio}
         return PointRecord(
             point=self.point,
             data={
@@ -224,6 +228,7 @@ def run_point(
         warnings=tuple(point_warnings(scene, state)),
         wall_time=time.perf_counter() - began,
         film=film,
+        end_rise_ratio=end_rise_ratio(scene, state),
     )
 
 

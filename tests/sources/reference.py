@@ -44,6 +44,7 @@ _VARIABLES = {
     "Variables at each step": schema.COLUMNS,
     "Sampling errors of each point": schema.SAMPLING,
     "Oil film of each point": schema.FILM,
+    "Ends of the pin at each point, with `pin.ends`": schema.ENDS,
     "Fields at the end of each point": schema.FIELDS,
 }
 

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.constants import (
-    END_LENGTH,
     FEW_ELEMENTS,
     FEW_PIXELS,
     FEW_SWEPT,
@@ -31,12 +30,13 @@ from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.conditions import Conditions
 from tribo.simulation.elapsed_heat import elapsed_heat_excess
 from tribo.simulation.element_size import summit_width
+from tribo.simulation.pin_ends import end_length, end_rise_ratio
 from tribo.simulation.pins import Ball
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State, touching_elements
 from tribo.simulation.usual_values import unusual_values
 from tribo.surface import SelfAffineRoughness, average_roughness
-from tribo.thermal.quantiles import contact_quantiles, rise_exceeded
+from tribo.thermal.quantiles import rise_exceeded
 from tribo.types import Array
 
 SLOW = (
@@ -286,26 +286,13 @@ def _warn_slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
 
 def _warn_hot_ends(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if wear would become severe at an end of the pin before it does on the whole pin."""
-    if scene.pin.length is None or scene.grid.periodic[1] or state.heat is None:
-        return
-    if not state.pressure.any():
-        return
-    length = min(END_LENGTH, scene.pin.length / 2)
-    contact, count = state.pressure > 0, round(length / scene.pin.length * len(state.pressure[0]))
-    parts = slice(None), slice(count), slice(-count, None)
-    pin_rise, *end_rises = (
-        float(rise_exceeded(contact_quantiles(state.heat.rise[:, part], contact[:, part]), 0.1))
-        for part in parts
-        if contact[:, part].any()
-    )
-    hottest = max(end_rises, default=0.0)
-    if hottest > (1 + HOT_END) * pin_rise:
+    excess = float(rise_exceeded(end_rise_ratio(scene, state), 0.1)) - 1
+    if excess > HOT_END:
         yield (
             WarningKind.HOT_ENDS,
-            f"on the hottest tenth of its contact, an end of {1e3 * length:.2g} mm of the pin has "
-            f"a rise {100 * (hottest / pin_rise - 1):.0f} % above that of the whole pin, by which "
-            "the verdict is given; wear becomes severe there first: relieve the ends, or let them "
-            "wear",
+            f"on the hottest tenth of its contact, an end of {1e3 * end_length(scene):.2g} mm of "
+            f"the pin has a rise {100 * excess:.0f} % above that of the whole pin, by which the "
+            "verdict is given; wear becomes severe there first: relieve the ends, or let them wear",
         )
 
 
