@@ -165,7 +165,7 @@ ROWS = {
     ),
     "moving disk": Row(
         "The mean temperature rise is that under a disk that moves through 384 positions, with and "
-        "without a lay; largest mean deviation",
+        "without a lay; largest mean deviation, a bias that no stated error contains",
         ("tribo",),
         "python -m tests.promises.moving_disk",
         "--scenes 2",
