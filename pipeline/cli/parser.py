@@ -120,7 +120,8 @@ def whole_parser() -> argparse.ArgumentParser:
     commands = irg.add_subparsers(metavar="COMMAND", title="commands", required=True)
     irg.set_defaults(commands=commands.choices)
     _add_commands_without_a_store(commands)
-    _add_commands_on_scenes(commands)
+    _add_commands_on_sweeps(commands)
+    _add_commands_on_points(commands)
     _add_commands_on_stores(commands)
     for package in ("pipeline.workflows", "workflows"):  # in a checkout beside `pipeline`
         if find_spec(package) and find_spec(f"{package}.commands"):
@@ -162,7 +163,7 @@ def _add_commands_without_a_store(commands: Any) -> None:
     help_.add_argument("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
 
 
-def _add_commands_on_scenes(commands: Any) -> None:
+def _add_commands_on_sweeps(commands: Any) -> None:
     run = add_command(commands, "run", "pipeline.cli.sweep_commands:run",
         "run or resume the sweep of a scene", "scene.toml --accuracy 2%")
     _add_scene(run)
@@ -192,6 +193,8 @@ def _add_commands_on_scenes(commands: Any) -> None:
     _add_workers(check)
     _add_output(check, "file of the table, .csv, .md or .json", TABLES)
 
+
+def _add_commands_on_points(commands: Any) -> None:
     point = add_command(commands, "point", "pipeline.cli.point_commands:point",
         "simulate one point (and the tests of the scene)",
         'scene.toml --load "500 N" --velocity "2 m/s"')
