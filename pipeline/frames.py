@@ -20,6 +20,8 @@ from pipeline.store.files import store_file, sync
 from tribo import InputError
 
 _HEADING = re.compile(r"(.+) \[(.+)\]")
+_LAYOUTS = (80, 10, 1000, "  "), (80, 9, 1000, "  "), (100, 10, 1000, "  "), (100, 8, 22, " ")
+"""Layouts of a table: length of a line, widths of headings and cells, and gap between columns."""
 
 
 def frame_of(headings: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
@@ -50,21 +52,21 @@ def transposed(frame: pd.DataFrame) -> pd.DataFrame:
 def lines_of(frame: pd.DataFrame) -> list[str]:
     """Lines of text with aligned columns, headings first.
 
-    To keep lines to 100 letters, headings and cells of the last column are broken between words. If
-    this is not enough, all cells are broken, and columns move closer. A word of more than 100
-    letters is cut.
+    Headings are broken between words, if possible to lines of 80 letters; else cells of the last
+    column are broken to lines of 100. If this is not enough, all cells are broken, and columns move
+    closer. A word of more than 100 letters is cut.
     """
     rows = [
         [re.sub(r"(\S{99})\S\S+", r"\1…", text) for text in row] for row in cells_of(frame, "-")
     ]
     min_last_width = 20  # of a column whose cells are broken
-    for max_heading_width, max_cell_width, gap in ((10, 1000, "  "), (8, 22, " ")):
+    for length, max_heading_width, max_cell_width, gap in _LAYOUTS:
         headings = [_broken_lines(str(heading), max_heading_width) for heading in frame]
         broken_rows = [[_broken_lines(text, max_cell_width) for text in row] for row in rows]
         columns = (itertools.chain(*column) for column in zip(headings, *broken_rows, strict=True))
         widths = [max(map(len, column), default=0) for column in columns]
-        last_width = 100 - sum(width + len(gap) for width in widths[:-1])
-        if last_width >= min(widths[-1], min_last_width):
+        last_width = length - sum(width + len(gap) for width in widths[:-1])
+        if last_width >= (widths[-1] if length == 80 else min(widths[-1], min_last_width)):
             break
     lines = [*itertools.zip_longest(*headings, fillvalue="")]
     for row in rows:

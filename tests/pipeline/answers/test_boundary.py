@@ -104,7 +104,9 @@ def test_a_table_says_on_which_side_of_the_sweep_a_value_lies():
         assert (frame[columns] == side).all(axis=None)
     frame = boundary_frame(boundary(filmed()))
     assert frame["severe from [m/s]"].tolist()[:4] == ["outside"] * 4
-    assert all(len(line) <= 80 for line in lines_of(frame))
+    for conditions in ({}, {"friction": [0.09, 0.1]}):
+        frame = boundary_frame(boundary(filmed(), **conditions))
+        assert all(len(line) <= 80 for line in lines_of(frame))
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
