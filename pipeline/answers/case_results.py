@@ -164,6 +164,10 @@ class CaseResults:
         self._require_quantiles(1 - conditions.critical_area_fraction)
         columns = self._columns({"normal_load", "rise_quantile", *columns_needed(conditions)})
         self._require_values_of_labels()
+        if (
+            np.diff(columns["rise_quantile"]) < -ROUNDING * columns["rise_quantile"][..., 1:]
+        ).any():
+            raise InputError(NOT_SIMULATED.format("rise_quantile falls along area_fraction_below"))
         rises = worst_rises(columns, np.array(least_loads)[:, None, None], conditions)
         rises = np.where(self.done, rises, np.nan)
         return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
@@ -188,24 +192,34 @@ class CaseResults:
                 )
 
     def _require_values_of_labels(self) -> None:
-        """Raise an `InputError` for a point that has values of another load or velocity."""
+        """Raise an `InputError` for a point that has values of another load, velocity or step.
+
+        Coordinates have those of their labels, as after a roll, while pressures carry another load.
+        """
         end = self.ds["step"].values.tolist().index(0) if "step" in self.ds.coords else -1
-        force, time, distance = (
-            self.array(name)[..., end] for name in ("normal_load", "time", "sliding_distance")
-        )
+        forces = self.array("normal_load")
+        time, distance = (self.array(name)[..., end] for name in ("time", "sliding_distance"))
         velocity = distance / np.where(time > 0, time, np.nan)
-        for name, labels, values in (
-            ("load", self.loads[:, None], force),
-            ("velocity", self.velocities, velocity),
-        ):
-            is_other = np.abs(values - labels) > 1e3 * ROUNDING * labels
-            if is_other.any():
-                label, value = (
-                    np.broadcast_to(labels, values.shape)[is_other][0],
-                    values[is_other][0],
-                )
-                reason = f"the values stored at {name} {label:g} {UNITS[name]} belong to {value:g}"
-                raise InputError(NOT_SIMULATED.format(reason))
+        _require_label("load", self.loads[:, None], forces[..., end])
+        _require_label("velocity", self.velocities, velocity)
+        if {"contact_fraction", "mean_pressure"} <= self.ds.keys():
+            area = self.sweep.scene.nominal_area * self.array("contact_fraction")
+            _require_label("load", forces, area * self.array("mean_pressure"))
+        if "wear_volume" in self.ds and not self.sweep.scene.wears_by_law:
+            self._require_wear_by_velocity(self.array("wear_volume")[..., end])
+
+    def _require_wear_by_velocity(self, volume: Array) -> None:
+        """Raise an `InputError` unless worn volumes are in proportion to the velocity."""
+        rate, is_worn = volume / self.velocities, self.done & (volume > 0)
+        highest = np.max(rate, axis=-1, where=is_worn, initial=0)
+        lowest = np.min(rate, axis=-1, where=is_worn, initial=np.inf)
+        is_other = (highest > (1 + 1e3 * ROUNDING) * lowest).any(axis=0)
+        if is_other.any():
+            reason = (
+                f"worn volumes at load {self.loads[is_other][0]:g} N are not in proportion to the "
+                "velocity"
+            )
+            raise InputError(NOT_SIMULATED.format(reason))
 
     def sampling(self, conditions: Conditions) -> Array:
         """Standard deviation of ln(rise) between surface realizations, by each point; or NaN."""
@@ -243,6 +257,16 @@ class CaseResults:
     def durations(self) -> Array:
         """Time of loading of each point [s]."""
         return np.asarray(np.nan_to_num(self.array("time"), nan=-np.inf).max(axis=-1))
+
+
+def _require_label(name: str, labels: Array, values: Array) -> None:
+    """Raise an `InputError` for a point that has `values` of another load or velocity."""
+    labels = np.broadcast_to(labels, values.shape)
+    is_other = np.abs(values - labels) > 1e3 * ROUNDING * labels
+    if is_other.any():
+        label, value = labels[is_other][0], values[is_other][0]
+        reason = f"the values stored at {name} {label:g} {UNITS[name]} belong to {value:g}"
+        raise InputError(NOT_SIMULATED.format(reason))
 
 
 def _exponents(x: Array, y: Array) -> Array:
