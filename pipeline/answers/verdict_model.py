@@ -34,6 +34,7 @@ from pipeline.answers.value_text import join_texts
 from pipeline.constants import MAX_EXTRAPOLATION, VERDICT_PROBABILITIES
 from pipeline.quantities import display
 from pipeline.sweep.case import Conditions, known_critical_temperature
+from pipeline.sweep.sweep import Sweep
 from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
@@ -43,6 +44,11 @@ VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
 """Names of these codes."""
 SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
 ORIGINS = "simulated", "interpolated", "extrapolated"
+_OTHER_OIL = "the tests are left out: they hold for the critical temperature of the scene, {}"
+_INFERRED = (
+    "the tests are left out: the scene infers its critical temperature from them, and another one "
+    "is given"
+)
 _TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 
 
@@ -67,19 +73,25 @@ def verdict_model(case: CaseResults, conditions: Conditions) -> VerdictModel:
     oil_key = conditions.critical_temperature, conditions.added_rise_fraction, *rise_key
     specimen = case.cached(("specimen", rise_key), lambda: specimen_of(case, conditions))
     infer = evidence_with_critical_temperature if is_from_tests else evidence_of
-    tested = case if _is_oil_of_scene(case, conditions) else case.without_tests
+    tested = case.without_tests if omission_of_tests(case.sweep, conditions) else case
     evidence = case.cached(("evidence", oil_key), lambda: infer(tested, specimen, conditions))
     if is_from_tests:
         conditions = replace(conditions, critical_temperature=evidence.critical.temperature)
     return VerdictModel(case, conditions, specimen, evidence)
 
 
-def _is_oil_of_scene(case: CaseResults, conditions: Conditions) -> bool:
-    """True if `conditions` have the critical temperature of the scene, at which its tests count."""
-    of_scene, critical = case.conditions.critical_temperature, conditions.critical_temperature
-    if of_scene is None or critical is None:
-        return critical is None or not case.sweep.base.critical_from_tests
-    return math.isclose(of_scene, critical, rel_tol=1e-9)
+def omission_of_tests(sweep: Sweep, conditions: Conditions) -> str:
+    """Reason why the tests of a sweep do not count under `conditions`; empty if they count.
+
+    They count at the critical temperature of the scene, which is that of their oil.
+    """
+    of_scene, critical = sweep.conditions.critical_temperature, conditions.critical_temperature
+    if critical is None:
+        return ""
+    if of_scene is None:
+        return _INFERRED if sweep.base.critical_from_tests else ""
+    is_of_scene = math.isclose(of_scene, critical, rel_tol=1e-9)
+    return "" if is_of_scene else _OTHER_OIL.format(display(of_scene, "°C"))
 
 
 def conditions_of(case: CaseResults, overrides: Mapping[str, Any]) -> Conditions:
@@ -130,16 +142,7 @@ class VerdictModel:
         """Reason why the tests of the scene are left out, as text; empty if they count."""
         if not self.case.sweep.tests or self.evidence.rows:
             return ""
-        critical = self.case.conditions.critical_temperature
-        if critical is None:
-            return (
-                "the tests are left out: the scene infers its critical temperature from them, and "
-                "another one is given"
-            )
-        return (
-            "the tests are left out: they hold for the critical temperature of the scene, "
-            f"{display(critical, '°C')}"
-        )
+        return omission_of_tests(self.case.sweep, self.conditions)
 
     @functools.cached_property
     def preset_error(self) -> float | None:

@@ -12,13 +12,15 @@ import xarray as xr
 import pipeline
 from pipeline.answers.answer_frames import answer_frame, comparison_frame, complete_frame
 from pipeline.answers.answer_lines import common_lines
+from pipeline.answers.condition_values import override_conditions
 from pipeline.answers.point_text import margin_lines
 from pipeline.answers.results import sweep_of
 from pipeline.answers.value_text import format_value
+from pipeline.answers.verdict_model import omission_of_tests
 from pipeline.cli.inputs import conditions_in, one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, run_line, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
-from pipeline.messages import pluralized
+from pipeline.messages import join_notes, pluralized, split_notes
 from pipeline.quantities import display, in_unit
 from pipeline.run.serial import run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
@@ -52,13 +54,17 @@ def point(options: argparse.Namespace) -> Result:
     load, velocity = options.load, options.velocity
     sweep = one_scene_in(options)
     require_admissible_load(sweep, load, "--load")
+    critical = {k: x for k, x in conditions_in(options).items() if k == "critical_temperature"}
+    conditions = override_conditions(sweep.single_case().conditions, critical)
+    has_tests = bool(sweep.tests) and not options.without_tests
+    omission = omission_of_tests(sweep, conditions) if has_tests else ""
     lower, higher = 0.8 * velocity, 1.2 * velocity
     point_sweep = replace(
         sweep.take_surface(options.realization).single_case(),
         steps="end",
         loads=(load,),
         velocities=(lower, velocity, higher),
-        tests=() if options.without_tests else sweep.tests,
+        tests=sweep.tests if has_tests and not omission else (),
     )
     source = stored_tests_of(sweep) if point_sweep.tests else None
     count = 3 + sum(len(test.points) for test in point_sweep.tests)
@@ -70,9 +76,10 @@ def point(options: argparse.Namespace) -> Result:
     ds = store_dataset(store).load()
     contact = _contact_frame(ds.sel(load=[load], velocity=[velocity]))
     text, frame = ["without temperature.critical there is no verdict"], contact
-    critical = {k: x for k, x in conditions_in(options).items() if k == "critical_temperature"}
     if critical or sweep_of(ds).base.is_judged:
         margins = pipeline.margin(ds, load, velocity, **critical)
+        notes = split_notes([omission, margins.attrs["notes"]])
+        margins = margins.assign_attrs(notes=join_notes(notes))
         text = [
             *margin_lines(margins, has_ends=False),
             f"only {lower:.4g}, {velocity:.4g} and {higher:.4g} m/s were simulated at this load; "

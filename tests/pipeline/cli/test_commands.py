@@ -183,6 +183,18 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     assert stored["probability"] == pytest.approx(other["probability"], rel=1e-9)
 
 
+def test_a_point_does_not_simulate_tests_of_another_oil(scene, tmp_path, irg):
+    tested = tmp_path / "tested.toml"
+    tested.write_text(scene.read_text() + 4 * TESTS)
+    point = "point", tested, "--load", "200 N", "--velocity", "1 m/s"
+    output = irg(*point, "--critical-temperature", "150 degC")
+    assert "the tests are left out: they hold for the critical temperature" in output
+    assert "points will be simulated" not in output
+    output = irg(*point, "--critical-temperature", "150 degC", "--without-tests")
+    assert "the tests are left out" not in output
+    assert "11 points will be simulated, including those of tests" in irg(*point)
+
+
 def untimed(output):
     return re.sub(r"(?m)^time .*", "", output)
 
