@@ -13,11 +13,11 @@ import tribo
 from pipeline.arguments import plain_value
 from pipeline.faults import Faults, SceneFileError
 from pipeline.kinds import LOAD, VELOCITY
-from pipeline.messages import did_you_mean
+from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
-from pipeline.scene.entries import Entries, replace_value, replace_values
+from pipeline.scene.entries import Entries, flat, replace_value, replace_values
 from pipeline.scene.format import SEED, FidelityTable, SceneFile, scene_entries
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
@@ -26,7 +26,7 @@ from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import Document, override, read_document, text_of
 from pipeline.shipped import scene_path
 from pipeline.sweep import plan
-from pipeline.sweep.case_table import SEED_ENTRY
+from pipeline.sweep.case_table import SEED_ENTRY, CaseTable
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point, Sweep
@@ -132,6 +132,7 @@ class Source:
             entries = replace_values(entries, {SEED_ENTRY: seed})
             scene = replace(scene, case=scene.case.on_surface(seed))
         tests = read_tests(entries, self.files, scene, faults)
+        _note_unused_materials(entries, cases.table, faults)
         key = "sweep.along" if rows else "sweep.over"
         declared = scene.tables.sweep
         sweep = Sweep(
@@ -169,6 +170,18 @@ class Source:
     def warnings(self, sweep: Sweep) -> tuple[SceneWarning, ...]:
         """Warnings of probable mistakes in a sweep of this scene."""
         return warnings_of_all(sweep)
+
+
+def _note_unused_materials(entries: Entries, table: CaseTable, faults: Faults) -> None:
+    """Note the materials of a scene that neither pin nor disk has in any case or test."""
+    materials = entries.get("materials", {})
+    tests = [test for test in entries.get("tests", []) if isinstance(test, dict)]
+    bodies = [{key: table for key, table in entries.items() if key in ("pin", "disk")}, *tests]
+    names = {value for row in table.rows for value in row.values() if isinstance(value, str)}
+    names |= {str(v) for body in bodies for path, v in flat(body) if path.endswith(".material")}
+    for name in (name for name in materials if name not in names):
+        words = f"no part has this material; set pin.material = {quoted(name)}, or remove it"
+        faults.note(key_path("materials", name), words)
 
 
 def sweep_of(scene: SceneLike) -> Sweep:

@@ -15,7 +15,7 @@ from typing import Any
 
 from pipeline.faults import Fault, SceneFileError
 from pipeline.messages import did_you_mean, key_path, quoted
-from pipeline.paths import read_file, reason_of
+from pipeline.paths import is_binary, is_workbook, read_file, reason_of, workbook_problem
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_value
 from pipeline.shipped import name_of, scene_path, shipped_scenes
 
@@ -26,6 +26,7 @@ _LONG_KEY = re.compile(
     r"""(?<![\w"'-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}"""
 )
 """A dotted key of 20 parts: time and memory of the parser grow with the square of this number."""
+_A_SCENE = "a scene is a text file (TOML), as irg new scene.toml writes it"
 _MAX_CHAIN = 20  # scenes that extend one another
 
 
@@ -33,13 +34,13 @@ _MAX_CHAIN = 20  # scenes that extend one another
 class Document:
     """Entries of a scene and of the scenes that it extends, merged.
 
-    `own` are the entries of the scene itself, and `base` is the scene that supplies all others.
+    `of_file` are the entries of the scene itself, and `base` is the scene that supplies all others.
     `folders` has the folder of the file that sets each of `FILES`.
     """
 
     file: Path
     entries: Entries = field(default_factory=dict)
-    own: Entries = field(default_factory=dict)
+    of_file: Entries = field(default_factory=dict)
     folders: Mapping[str, Path] = field(default_factory=dict)
     base: Path | None = None
 
@@ -49,7 +50,7 @@ class Document:
         return replace(
             self,
             entries=merged(self.entries, entries),
-            own=merged(self.own, entries),
+            of_file=merged(self.of_file, entries),
             folders={**self.folders, **folders},
         )
 
@@ -70,7 +71,9 @@ class Document:
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, and where the entry is inherited from."""
         key = re.sub(r"\[\d+\]", "", fault.key)
-        is_inherited = entry_at(self.entries, key) is not None and entry_at(self.own, key) is None
+        is_inherited = (
+            entry_at(self.entries, key) is not None and entry_at(self.of_file, key) is None
+        )
         if self.base is None or not is_inherited:
             return f"{fault.key}: {fault.problem}"
         return (
@@ -106,7 +109,7 @@ def read_document(path: Path, extending: Sequence[Path] = ()) -> Document:
         base = read_document(base_path, chain)
     except SceneFileError as error:
         raise SceneFileError(path, [f"extends: {error}"]) from error
-    document = replace(base, file=path, own={}, base=base_path).without(without)
+    document = replace(base, file=path, of_file={}, base=base_path).without(without)
     return override(document, table)
 
 
@@ -126,6 +129,8 @@ def _toml(path: Path) -> dict[str, Any]:
         hint = did_you_mean(path.stem, shipped_scenes())
         advice = hint or "; give a scene file (TOML), or a shipped scene (irg new --list)"
         raise SceneFileError(path, [f"cannot be read: {reason}{advice}"]) from error
+    if problem := _other_kind(path, content):
+        raise SceneFileError(path, [f"{problem}; {_A_SCENE}"])
     try:
         text = content.decode("utf-8-sig")
         if key := _LONG_KEY.search(text):
@@ -137,6 +142,15 @@ def _toml(path: Path) -> dict[str, Any]:
     if empty := next((entry for entry, value in flat(tables) if value == {}), None):
         raise SceneFileError(path, [f"{empty}: the table is empty; fill it or remove it"])
     return tables
+
+
+def _other_kind(path: Path, content: bytes) -> str:
+    """What a file is that is no scene, such as a table; empty if it may be a scene."""
+    if is_workbook(path, content):
+        return f"is {workbook_problem(path)} in a scene"
+    if path.suffix.lower() in (".csv", ".tsv"):
+        return "is a table; name it in a scene, by tests or by along in [sweep]"
+    return "is binary" if is_binary(content) else ""
 
 
 def _slip(error: str, content: bytes) -> str:

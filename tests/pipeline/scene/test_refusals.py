@@ -320,6 +320,15 @@ TEXTS = {
     "odd key": (text("[pin]", '"a\\u2028b" = 1\n[pin]'), 'materials.steel."a\\u2028b": unknown'),
     "thousands": (text('["200 N"', '["1,200 N"'), "decimals with a point, and no marks of thous"),
     "utf-16": (toml(TEXT.encode("utf-16")), "is not valid TOML in UTF-8"),
+    "workbook": (
+        toml(b"PK\x03\x04", "tests.xlsx"),
+        "is a workbook; save its sheet as CSV (File, Save",
+    ),
+    "table": (
+        toml(b"load [N]\n300\n", "tests.csv"),
+        "is a table; name it in a scene, by tests or by",
+    ),
+    "binary": (toml(bytes(range(32))), "is binary; a scene is a text file (TOML), as irg new"),
     "deep": (toml(b"a = " + b"[" * 50_000), "is not valid TOML in UTF-8: maximum recursion"),
     "no toml": (toml(b"a = [1"), "a list has a comma between its values, and ] at"),
     "digits": (toml(b"a = " + b"9" * 5000), "is not valid TOML in UTF-8: Exceeds the limit"),

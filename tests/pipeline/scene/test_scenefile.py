@@ -145,6 +145,29 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     assert "reaches 800 N" in fault
 
 
+BRASS = """
+[materials.brass]
+elastic_modulus = "100 GPa"
+poisson_ratio = 0.34
+hardness = "1.2 GPa"
+density = "8500 kg/m^3"
+specific_heat = "380 J/(kg K)"
+thermal_conductivity = "110 W/(m K)"
+"""
+
+
+def test_a_material_that_no_part_has_is_noted(read):
+    unused = "materials.brass: no part has this material; set pin.material = "
+    assert [note.text.partition('"')[0] for note in read(("[pin]", f"{BRASS}[pin]")).notes] == [
+        unused
+    ]
+    for path, value in (
+        ("disk.material", "brass"),
+        ("sweep.over", {"pin.material": ["brass", "steel"]}),
+    ):
+        assert read(("[pin]", f"{BRASS}[pin]"), **{path: value}).notes == ()
+
+
 FAULTS = {  # scene, other entries, and the keys that are named
     "empty": ("", {}, "pin disk window loading friction temperature sweep"),
     "slips": (TEXT, {"waer.pattern": "local", "title.long": "x", "realizations": 3, "incremnts": 3},
