@@ -185,7 +185,8 @@ def join_cases(
         for column in sweep_of(ds).case_table.columns
         if column.along in dims and not column.entry and column.name not in joined.coords
     ]
-    joined = joined.assign_coords({name: ds[name].variable for name in labels})
+    names = {name: f"{name} (given)" if name in joined.dims else name for name in labels}
+    joined = joined.assign_coords({names[name]: ds[name].variable for name in labels})
     joined.attrs = common | {"missing_points": sum(case.missing for case in cases)}
     return joined
 

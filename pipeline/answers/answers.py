@@ -14,6 +14,7 @@ import xarray as xr
 from pipeline.answers.answer_dataset import answer_dataset, join_cases
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import (
+    PAIRS,
     ConditionValues,
     QueryPoints,
     argument_array,
@@ -84,13 +85,16 @@ def margin(
         ``verdict`` on the next specimen, a code: its word is ``flag_meanings.split()[code]``, as
         below; ``probability`` of severe wear, and ``probability_low`` and ``probability_high`` by
         the numerical error; ``governing_temperature``, ``temperature_margin`` and
-        ``temperature_error``, a 95 % bound, with its parts; ``mild_load``, ``mild_velocity`` and
-        ``mild_friction``, up to which the verdict is mild, and their safety factors, these limits
-        over the values of the point; the code ``mild_…_side`` of a limit outside the sweep, which
-        is NaN; computed critical velocity, load and friction; flags, and ``decided_by``, what would
-        decide an undecided verdict. Rows with load factors have a ``mild_load_factor``; the row
-        with the smallest ``governs``. Each has ``units`` and ``long_name``, and codes
-        ``flag_meanings``. Attributes state what applies to all points.
+        ``temperature_error``, a 95 % bound, with its parts; the limits ``mild_load``,
+        ``mild_velocity`` and ``mild_friction``, and their safety factors, these limits over the
+        values of the point; computed critical velocity, load and friction; flags, and
+        ``decided_by``, what would decide an undecided verdict. Rows with load factors have a
+        ``mild_load_factor``; the row with the smallest ``governs``.
+
+        The verdict is mild up to a mild limit, and severe from a severe limit. A limit outside the
+        sweep is NaN, and its code ``mild_…_side`` or ``severe_…_side`` says where it is. Variables
+        have ``units`` and ``long_name``, codes ``flag_meanings``. Attributes state what applies to
+        all points.
 
     Examples
     --------
@@ -109,12 +113,12 @@ def margin(
     if velocity is None and isinstance(load, tables) and not _is_load(load):
         table = load if isinstance(load, OperatingPoints) else OperatingPoints.read(load)
         columns: dict[str, Any] = {
-            name: xr.DataArray(cells, dims="place") for name, cells in table.columns.items()
+            name: xr.DataArray(cells, dims=PAIRS) for name, cells in table.columns.items()
         }
         answer = margin(ds, **{**conditions, **columns})
         return answer.assign_coords(
             {
-                f"{name} (given)" if name in answer.variables else name: ("place", [*cells])
+                f"{name} (given)" if name in answer.variables else name: (PAIRS, [*cells])
                 for name, cells in table.labels.items()
             }
         )
@@ -122,7 +126,7 @@ def margin(
         missing = "load" if load is None else "velocity"
         raise InputError(f"{missing} is missing; give both a load and a velocity, or a table")
     points = {
-        name: argument_array(name, values, kind.in_si, "place")
+        name: argument_array(name, values, kind.in_si, PAIRS)
         for name, values, kind in (("load", load, LOAD), ("velocity", velocity, VELOCITY))
         if values is not None
     }
@@ -279,14 +283,12 @@ def boundary(
     Returns
     -------
     Dataset
-        ``mild_velocity(load)``, the highest velocity up to which the verdict is mild, and
-        ``severe_velocity(load)``, the lowest from which it is severe; ``mild_load(velocity)`` and
-        ``severe_load(velocity)``; for each the code ``…_side`` of a limit outside the sweep, which
-        is NaN; ``ruled_out_by(load)``, the tests that decide a limit. Furthermore
-        ``critical_velocity(load)`` and ``critical_load(velocity)``, computed without tests;
-        ``velocity_error(load)`` and its parts; ``critical_velocity_p50`` with tests;
-        ``film_parameter_at_load`` and ``film_parameter_at_velocity``, those of the smooth bodies on
-        the boundary, if the scene has an oil and a rough disk; the outcomes
+        ``mild_velocity(load)`` and ``severe_velocity(load)``, ``mild_load(velocity)`` and
+        ``severe_load(velocity)``, limits as in `margin`; ``ruled_out_by(load)``, the tests that
+        decide a limit. Furthermore ``critical_velocity(load)`` and ``critical_load(velocity)``,
+        computed without tests; ``velocity_error(load)`` and its parts; ``critical_velocity_p50``
+        with tests; ``film_parameter_at_load`` and ``film_parameter_at_velocity``, those of the
+        smooth bodies on the boundary, if the scene has an oil and a rough disk; the outcomes
         ``outcome_along_velocity(load)`` and ``outcome_along_load(velocity)``. Varied entries, and
         conditions given as lists, are further dimensions.
 

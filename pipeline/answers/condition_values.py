@@ -18,6 +18,8 @@ from tribo.types import Array
 
 CONDITION_NAMES = tuple(PATHS)
 """Conditions that answers take as keywords."""
+PAIRS = "place"
+"""Dimension of operating points given as lists, or as a table."""
 ConditionValue = float | str | Sequence[float | str] | np.ndarray[Any, Any] | xr.DataArray
 """One value in SI or text with its unit, or several values along a new dimension."""
 
@@ -123,10 +125,14 @@ def _condition(name: str, value: Any) -> float | None:
 def arguments_of_case(
     arguments: Mapping[str, xr.DataArray], case_labels: Mapping[str, Any]
 ) -> dict[str, xr.DataArray]:
-    """Arguments of a case; those that vary along the dimensions of cases, at its labels."""
+    """Arguments of a case; those that vary along the dimensions of cases, at its labels.
+
+    Points along `PAIRS` are no rows, even if these have a column of this name.
+    """
     selected = {**arguments}
     for name, argument in arguments.items():
-        labels = {dim: case_labels[str(dim)] for dim in argument.dims if dim in case_labels}
+        dims = [dim for dim in argument.dims if dim != PAIRS or dim in argument.coords]
+        labels = {dim: case_labels[str(dim)] for dim in dims if dim in case_labels}
         try:
             selected[name] = argument.sel(labels, drop=True) if labels else argument
         except (IndexError, KeyError, TypeError):
