@@ -30,11 +30,12 @@ from pipeline.store.schema import (
     AT_TESTS,
     COLUMNS,
     COORDINATES,
+    DATA,
     FIELDS,
     INPUTS,
     PENDING,
     PLANE,
-    PROGRESS,
+    RECORDS,
     TEST_STEP,
     split_arrays,
     variable_of_tests,
@@ -229,7 +230,7 @@ def _results_of_case(
         for key, coordinate in ds.coords.items()
         if not coordinate.ndim and key not in (*COORDINATES, "realization")
     }
-    ds = ds.reset_coords([key for key in PROGRESS if key in ds.coords])
+    ds = ds.reset_coords([key for key in DATA | RECORDS if key in ds.coords])
     ds = ds.expand_dims([dim for dim in SPECIMEN_DIMS if dim not in ds["status"].dims])
     is_moving = ds["velocity"] > 0
     if is_moving.any() and not is_moving.all():
@@ -282,6 +283,11 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
                 f'the coordinate "{name}" is missing or not finite; keep it in the dataset'
             )
         if name not in ds.dims:
+            if rest := {*ds[name].dims} - {*sweep.case_table.axes, LOAD_FACTOR}:
+                raise InputError(
+                    f"{name} is no dimension of the dataset; call "
+                    f'ds.swap_dims({min(map(str, rest))}="{name}") first'
+                )
             continue
         if (np.diff(values) <= LEAST_DISTANCE * values[1:]).any():
             raise InputError(

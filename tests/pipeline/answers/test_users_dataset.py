@@ -58,6 +58,7 @@ UNCHANGED = {
     ),
     "combine": lambda ds, _: xr.combine_by_coords(halves(ds), combine_attrs="override"),
     "drop_vars": lambda ds, _: ds.drop_vars("wear_volume"),
+    "set_coords": lambda ds, _: ds.set_coords([*ds.data_vars]),
     "drop_encoding": lambda ds, _: ds.drop_encoding(),
     "sortby": lambda ds, _: ds.sortby("velocity", ascending=False).sortby("velocity"),
     "netCDF": file_of,
@@ -120,6 +121,8 @@ REFUSED = {
     "rename variable": (lambda ds: ds.rename(rise_quantile="q"), "lacks rise_quantile"),
     "drop_vars": (lambda ds: ds.drop_vars("status"), "has no status"),
     "stack": (lambda ds: ds.stack(p=("load", "velocity")), "call ds.unstack() first"),
+    "swap_dims": (lambda ds: ds.assign_coords(v=2 * ds["velocity"]).swap_dims(velocity="v"),
+                  'velocity is no dimension of the dataset; call ds.swap_dims(v="velocity") first'),
     "drop_attrs": (lambda ds: ds.drop_attrs(), "has no attribute sweep"),
     "one quantile": (lambda ds: ds.sel(area_fraction_below=0.9),
                      "area_fraction_below is a single value; select a list instead: "
