@@ -106,7 +106,7 @@ REFUSED = {
     "shift": (lambda ds: ds.shift(velocity=1), "its status is not an integer"),
     "interp": (lambda ds: ds.interp(velocity=[0.7, 1.1]), "its status is not an integer"),
     "coarsen": (lambda ds: ds.coarsen(load=3).mean(), "its status is not an integer"),
-    "shift filled": (lambda ds: ds.shift(velocity=1, fill_value=1), "proportion to the velocity"),
+    "shift filled": (lambda ds: ds.shift(velocity=1, fill_value=1), "the values stored at load"),
     "roll velocity": (lambda ds: ds.roll(velocity=1), "in proportion to the velocity"),
     "roll loaded": (lambda ds: ds.load().roll(velocity=-1), "in proportion to the velocity"),
     "roll load": (lambda ds: ds.roll(load=1), "the values stored at load"),
