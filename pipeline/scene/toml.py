@@ -149,7 +149,8 @@ def _other_kind(path: Path, content: bytes) -> str:
     if is_workbook(path, content):
         return f"is {workbook_problem(path)} in a scene"
     if path.suffix.lower() in (".csv", ".tsv"):
-        return "is a table; name it in a scene, by tests or by along in [sweep]"
+        name = quoted(path.name)
+        return f"is a table; name it in a scene: file = {name} in [tests], or along in [sweep]"
     return "is binary" if is_binary(content) else ""
 
 
