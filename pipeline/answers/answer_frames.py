@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers.answer_dataset import ATTRIBUTES
-from pipeline.answers.condition_values import CONDITION_NAMES
+from pipeline.answers.condition_values import CONDITION_NAMES, PAIRS
 from pipeline.answers.scene_wording import usual_unit, value_words
 from pipeline.answers.value_text import (
     code_text,
@@ -87,9 +87,10 @@ def answer_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
     columns = [*dict.fromkeys([*user_columns, *plane_columns, *names])]
     ds = xr.Dataset({name: _to_text(answer[name]) for name in columns})
     ds = ds.assign_coords({dim: answer[dim] for dim in ds.dims if dim in answer.coords})
-    ds = ds if ds.sizes else ds.expand_dims("place")
+    ds = ds if ds.sizes else ds.expand_dims(PAIRS)
     frame = ds.to_dataframe().reset_index()
-    all_columns = [*(dim for dim in dims if dim in frame and dim != "place"), *columns]
+    row_dims = [dim for dim in dims if dim in frame and (dim != PAIRS or dim in ds.coords)]
+    all_columns = [*row_dims, *columns]
     short_headings = [_heading(name, answer) for name in all_columns]
     headings = [  # names in place of equal headings, such as the outcomes along both axes
         heading if short_headings.count(heading) == 1 else name.replace("_", " ")

@@ -176,7 +176,8 @@ def error_text(point: xr.Dataset) -> str:
         return f"unknown, because a part is unknown: {unknown} ({known})"
     if unknown:
         return f"unknown, because a part is unknown: {unknown}"
-    return f"± {format_error(point['temperature_error'].item())} K: {known}"
+    total = f"± {format_error(point['temperature_error'].item())} K"
+    return f"{total}: {known}" if known else total
 
 
 def to_decide(point: xr.Dataset) -> str:

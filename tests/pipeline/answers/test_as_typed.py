@@ -3,6 +3,7 @@
 import pytest
 
 import pipeline
+from pipeline.answers.answer_frames import complete_frame
 from tests.helpers import synthetic
 
 TABLE = """load [N],velocity [m/s],critical temperature [degC],bulk temperature [degC],friction
@@ -107,3 +108,10 @@ def test_answers_do_not_repeat_a_warning_of_the_scene_itself():
     ds = synthetic.sweep(conditions=synthetic.CONDITIONS | {"friction": 12.0})
     assert "unusual" not in pipeline.margin(ds, 300.0, 1.5, friction=12.0).attrs["notes"]
     assert "13 is unusual" in pipeline.margin(ds, 300.0, 1.5, friction=13.0).attrs["notes"]
+
+
+def test_a_column_place_of_a_table_is_printed_with_its_words():
+    table = {"place": ["nose", "base"], "load [N]": [300, 500], "velocity [m/s]": [1.5, 2.0]}
+    frame = complete_frame(pipeline.margin(synthetic.sweep(), table))
+    assert frame["place"].tolist() == ["nose", "base"]
+    assert frame["load [N]"].tolist() == [300, 500]

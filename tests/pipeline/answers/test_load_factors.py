@@ -219,3 +219,14 @@ def test_text_json_csv_and_report_have_the_factor_of_each_row(irg, monkeypatch, 
         np.testing.assert_allclose(values, answer["mild_load_factor"], rtol=1e-12)
     assert [row["governs"] for row in rows] == answer["governs"].values.tolist()
     assert table["mild load factor side"].tolist() == answer[SIDE].values.tolist()
+
+
+def test_conditions_along_place_apply_to_rows_that_have_a_column_of_this_name():
+    rows, frictions = rows_of(), xr.DataArray([0.08, 0.12], dims="place")
+    answer = pipeline.margin(rows, friction=frictions)
+    assert answer["place (given)"].values.tolist() == [*"ABCD"]
+    for name in ("mild_load_factor", "governing_temperature", "friction"):
+        for k, friction in enumerate(frictions.values.tolist()):
+            expected = pipeline.margin(rows, friction=friction)[name]
+            part = answer[name].isel(place=k).transpose(*expected.dims)
+            np.testing.assert_allclose(part, expected, rtol=1e-12)
