@@ -165,7 +165,7 @@ def test_a_material_that_no_part_has_is_noted(read):
         ("disk.material", "brass"),
         ("sweep.over", {"pin.material": ["brass", "steel"]}),
     ):
-        assert read(("[pin]", f"{BRASS}[pin]"), **{path: value}).notes == ()
+        assert read(("[pin]", f"{BRASS}[pin]"), overrides={path: value}).notes == ()
 
 
 FAULTS = {  # scene, other entries, and the keys that are named
