@@ -29,6 +29,7 @@ from tribo import InputError
 from tribo.types import Array
 
 _MIN_SIDE = 9  # heights along a side of a map; less are columns of a table
+_FARTHER = 4  # of a line that rises from end to end, over the range of all heights inside
 _SPLIT_DECIMAL = re.compile(r"(?m)(?:^|,) *(-0|0\d+) *(?=,|$)")
 """Decimals that a decimal comma cut off: whole numbers have no leading zeros."""
 
@@ -229,8 +230,10 @@ def _require_map(matrix: Array) -> Array:
         "first row": matrix[0], "first column": matrix[:, 0],
         "last row": matrix[-1], "last column": matrix[:, -1],
     }  # fmt: skip
+    inner = matrix[1:-1, 1:-1]
+    height_range = float(np.ptp(inner[np.isfinite(inner)])) if np.isfinite(inner).any() else np.inf
     for name, values in edges.items():
-        if _is_axis(values[1:-1]):  # corners may be of another axis
+        if _is_axis(values[1:-1], height_range):  # corners may be of another axis
             verb = "rises" if values[-2] > values[1] else "falls"
             raise InputError(
                 f"the {name} {verb} evenly, from {values[1]:g} to {values[-2]:g}: no heights, but "
@@ -239,11 +242,16 @@ def _require_map(matrix: Array) -> Array:
     return matrix
 
 
-def _is_axis(values: Array) -> bool:
-    """True for values that rise or fall evenly, within half of their last printed digit."""
+def _is_axis(values: Array, height_range: float) -> bool:
+    """True for values that rise or fall evenly, within half of their last printed digit.
+
+    Measured positions are less even; they exceed the range of the heights.
+    """
     steps = np.diff(values)
     if not np.isfinite(values).all() or not ((steps > 0).all() or (steps < 0).all()):
         return False
+    if abs(values[-1] - values[0]) > _FARTHER * height_range:
+        return True
     decimals = next((d for d in range(-3, 9) if np.allclose(values, values.round(d), 0, 1e-12)), 9)
     line = np.polyval(np.polyfit(np.arange(values.size), values, 1), np.arange(values.size))
     half_digit = 0.55 * 10.0**-decimals if decimals < 9 else 0.0

@@ -64,6 +64,7 @@ def test_a_map_is_read_as_it_was_written(layout, delimiter, tmp_path):
 AXES = {
     "thirds": np.round(np.arange(30) / 3, 2),
     "measured": np.round(0.1387 * np.arange(30), 2),
+    "scattered": 0.5 * np.arange(30) + 0.02 * np.sin(np.arange(30) ** 2),
     "falling": -0.5 * np.arange(30),
     "numbers": 1.0 + np.arange(30),
 }
