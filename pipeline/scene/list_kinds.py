@@ -32,6 +32,8 @@ class List(Kind):
         return f"a list of values, each {self.item_kind}"
 
     def _read(self, value: Any, path: str, faults: Faults) -> tuple[Any, ...] | None:
+        if isinstance(value, dict) and str(self.item_kind).startswith("a table"):
+            raise InvalidValueError(f"[{path}] is a single table; write [[{path}]]")
         require(value, list, "is not a list")
         if len(value) > self.max_length:
             raise InvalidValueError(

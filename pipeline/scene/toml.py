@@ -150,7 +150,7 @@ def _other_kind(path: Path, content: bytes) -> str:
         return f"is {workbook_problem(path)} in a scene"
     if path.suffix.lower() in (".csv", ".tsv"):
         name = quoted(path.name)
-        return f"is a table; name it in a scene: file = {name} in [tests], or along in [sweep]"
+        return f"is a table; name it in a scene: file = {name} in [[tests]], or along in [sweep]"
     return "is binary" if is_binary(content) else ""
 
 

@@ -326,9 +326,10 @@ TEXTS = {
     ),
     "table": (
         toml(b"load [N]\n300\n", "tests.csv"),
-        "is a table; name it in a scene, by tests or by",
+        'is a table; name it in a scene: file = "tests.csv" in [[tests]]',
     ),
     "binary": (toml(bytes(range(32))), "is binary; a scene is a text file (TOML), as irg new"),
+    "one test": (entry("tests", {"file": "a.csv"}), "[tests] is a single table; write [[tests]]"),
     "deep": (toml(b"a = " + b"[" * 50_000), "is not valid TOML in UTF-8: maximum recursion"),
     "no toml": (toml(b"a = [1"), "a list has a comma between its values, and ] at"),
     "digits": (toml(b"a = " + b"9" * 5000), "is not valid TOML in UTF-8: Exceeds the limit"),
