@@ -15,12 +15,12 @@ from pipeline.answers.answer_lines import common_lines
 from pipeline.answers.condition_values import override_conditions
 from pipeline.answers.point_text import margin_lines
 from pipeline.answers.results import sweep_of
-from pipeline.answers.value_text import format_value
+from pipeline.answers.value_text import format_value, join_texts, split_texts
 from pipeline.answers.verdict_model import omission_of_tests
 from pipeline.cli.inputs import conditions_in, one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, run_line, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
-from pipeline.messages import join_notes, pluralized, split_notes
+from pipeline.messages import pluralized
 from pipeline.quantities import display, in_unit
 from pipeline.run.serial import run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
@@ -78,8 +78,8 @@ def point(options: argparse.Namespace) -> Result:
     text, frame = ["without temperature.critical there is no verdict"], contact
     if critical or sweep_of(ds).base.is_judged:
         margins = pipeline.margin(ds, load, velocity, **critical)
-        notes = split_notes([omission, margins.attrs["notes"]])
-        margins = margins.assign_attrs(notes=join_notes(notes))
+        notes = join_texts(split_texts([omission, margins.attrs["notes"]]))
+        margins = margins.assign_attrs(notes=notes)
         text = [
             *margin_lines(margins, has_ends=False),
             f"only {lower:.4g}, {velocity:.4g} and {higher:.4g} m/s were simulated at this load; "
