@@ -265,7 +265,8 @@ def _require_label(name: str, labels: Array, values: Array) -> None:
     is_other = np.abs(values - labels) > 1e3 * ROUNDING * labels
     if is_other.any():
         label, value = labels[is_other][0], values[is_other][0]
-        reason = f"the values stored at {name} {label:g} {UNITS[name]} belong to {value:g}"
+        unit = UNITS[name]
+        reason = f"the values stored at {name} {label:g} {unit} belong to {value:g} {unit}"
         raise InputError(NOT_SIMULATED.format(reason))
 
 

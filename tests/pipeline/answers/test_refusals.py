@@ -112,6 +112,12 @@ REFUSALS = {
                      "keep one of values that are nearly equal"),
     "other load": (margin_of(lambda ds: ds.assign_coords(load=[200.0, 410.0, 600.0])), "410"),
     # results that xarray moved, or that are left out
+    "rolled": (margin_of(lambda ds: ds.roll(velocity=1)), "are not in proportion to the velocity"),
+    "falling": (margin_of(lambda ds: ds.roll(area_fraction_below=1)), "rise_quantile falls along"),
+    "swapped": (
+        margin_of(lambda ds: ds.assign_coords(v=2 * ds["velocity"]).swap_dims(velocity="v")),
+        "velocity is no dimension of the dataset; call ds.swap_dims(v=",
+    ),
     "shifted": (margin_of(lambda ds: ds.shift(load=1)), "its status is not an integer"),
     "masked": (margin_of(lambda ds: ds.where(ds["load"] > 300)), "its status is not an integer"),
     "interpolated": (margin_of(lambda ds: ds.interp(load=[300.0, 500.0])),

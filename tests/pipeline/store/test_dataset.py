@@ -118,11 +118,11 @@ REFILLED = {  # how xarray computes values of points from other points, and what
     "a mask": (lambda ds: ds.where(ds["load"] > 200), "its status is not an integer"),
     "the nearest load": (
         lambda ds: ds.isel(load=[0, 2]).reindex(load=ds["load"].values, method="nearest"),
-        "those at load 250 N are those of",
+        "the values stored at load 250 N belong to 150 N",
     ),
     "the nearest velocity": (
         lambda ds: ds.isel(velocity=[0, 2]).reindex(velocity=ds["velocity"], method="nearest"),
-        "those at velocity 1 m/s are those of",
+        "the values stored at velocity 1 m/s belong to 1.5 m/s",
     ),
 }  # fmt: skip
 
