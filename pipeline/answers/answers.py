@@ -248,7 +248,7 @@ def _mild_limits(
     """Mild limits of load, velocity and friction at k points, and their safety factors."""
     is_known = verdicts != UNKNOWN
     known = points.take(is_known), verdicts[is_known]
-    limits = {axis: line_limits(model, axis, MILD, *known) for axis in ("velocity", "load")}
+    limits = {axis: line_limits(model, axis, [MILD], *known)[0] for axis in ("velocity", "load")}
     limits["friction"] = friction_limits(model, known[0], critical_friction[is_known])
     columns = dict[str, Any]()
     for name, (values, sides) in limits.items():
@@ -331,9 +331,7 @@ def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     columns = model.critical("velocity", points)
     critical = points._replace(velocity=columns["critical_velocity"])
     parts = model.velocity_errors(critical.load, critical.velocity)
-    mild, severe = (
-        line_limits(model, "velocity", verdict, points, None) for verdict in (MILD, SEVERE)
-    )
+    mild, severe = line_limits(model, "velocity", (MILD, SEVERE), points, None)
     return {
         "mild_velocity": mild.values,
         "mild_velocity_side": mild.sides,
@@ -352,7 +350,7 @@ def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
 def _along_load(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     """Critical loads at the velocities of points, and limits by the verdict."""
     columns = model.critical("load", points)
-    mild, severe = (line_limits(model, "load", verdict, points, None) for verdict in (MILD, SEVERE))
+    mild, severe = line_limits(model, "load", (MILD, SEVERE), points, None)
     return {
         "mild_load": mild.values,
         "mild_load_side": mild.sides,

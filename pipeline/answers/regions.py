@@ -42,7 +42,7 @@ def _loads(model: VerdictModel) -> Array:
     low, high = model.ranges["load"]
     ends = np.array(model.ranges["velocity"])
     points = QueryPoints.under(model.conditions, ends, ends)
-    limits = [line_limits(model, "load", code, points, None).values for code in (MILD, SEVERE)]
+    limits = [x.values for x in line_limits(model, "load", (MILD, SEVERE), points, None)]
     tested = [load for row in model.evidence.rows for load, _ in row.test.points]
     dense = dense_values(np.union1d(model.field.loads, (low, high)))
     loads = np.concatenate([dense, *limits, np.outer(tested, (_JUST_BELOW, 1.0)).ravel()])

@@ -8,7 +8,7 @@ that the limit is named after.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -41,13 +41,17 @@ class Limits(NamedTuple):
 
 
 def line_limits(
-    model: VerdictModel, axis: str, verdict: int, points: QueryPoints, verdicts: Indices | None
-) -> Limits:
-    """Limits of a `verdict`, mild or severe, along the `axis` load or velocity through k points.
+    model: VerdictModel,
+    axis: str,
+    kinds: Sequence[int],
+    points: QueryPoints,
+    verdicts: Indices | None,
+) -> list[Limits]:
+    """Limits of each kind, `MILD` or `SEVERE`, along `axis`, load or velocity, through k points.
 
     A line begins at its lowest place with a verdict for mild wear, at its highest for severe wear.
-    With the `verdicts` at the points, a point inside a separate stretch of `verdict` has the
-    limit of this stretch, so that a limit never contradicts the verdict at its point.
+    With the `verdicts` at the points, a point inside a separate stretch of the kind has the limit
+    of this stretch, so that a limit never contradicts the verdict at its point.
     """
     positions = getattr(points, axis)
     if verdicts is None:
@@ -56,23 +60,39 @@ def line_limits(
     nodes = dense_values(np.union1d(simulated, model.ranges[axis]))
     if len(nodes) < 2 or not positions.size:
         shape = positions.shape
-        return Limits(np.full(shape, np.nan), np.full(shape, Side.UNKNOWN, np.int8))
+        return [Limits(np.full(shape, np.nan), np.full(shape, Side.UNKNOWN, np.int8))] * len(kinds)
     across = points.load if axis == "velocity" else points.velocity
     line_keys = np.stack([across, points.friction, points.bulk_temperature])
     _, first, line = np.unique(line_keys, axis=1, return_index=True, return_inverse=True)
     lines, line = points.take(first), line.ravel()
-    if verdict == SEVERE:
-        nodes = nodes[::-1]  # from the highest value downwards
-    codes = _codes(model, axis, lines, nodes)
-    lower, upper, sides = _brackets(nodes, codes[line], positions, verdicts, verdict)
-    values, is_inside = np.full(positions.shape, np.nan), sides == Side.INSIDE
+    codes = _codes(model, axis, lines, nodes)[line]
+    limits = list[Limits]()
+    for kind in kinds:
+        order = -1 if kind == SEVERE else 1  # from the highest value downwards for severe wear
+        brackets = _brackets(nodes[::order], codes[:, ::order], positions, verdicts, kind)
+        limits.append(_between(model, axis, kind, lines, line, *brackets))
+    return limits
+
+
+def _between(
+    model: VerdictModel,
+    axis: str,
+    kind: int,
+    lines: QueryPoints,
+    line: Indices,
+    lower: Array,
+    upper: Array,
+    sides: Indices,
+) -> Limits:
+    """Limits of a kind at k points, each on its `line`, between the neighbours of `_brackets`."""
+    values, is_inside = np.full(lower.shape, np.nan), sides == Side.INSIDE
     if is_inside.any():
         keys = np.stack([line, lower, upper])[:, is_inside]
         brackets, inverse = np.unique(keys, axis=1, return_inverse=True)
         line_points = lines.take(brackets[0].astype(int))
-        limits = _bisect(model, axis, verdict, line_points, brackets[1], brackets[2])
-        values[is_inside] = _rounded(limits, brackets[1], verdict)[inverse.ravel()]
-    if verdict == SEVERE:
+        limits = _bisect(model, axis, kind, line_points, brackets[1], brackets[2])
+        values[is_inside] = _rounded(limits, brackets[1], kind)[inverse.ravel()]
+    if kind == SEVERE:
         sides = np.choose(sides, [Side.INSIDE, Side.BELOW, Side.ABOVE, *_NOWHERE])
     return Limits(values, sides.astype(np.int8))
 
