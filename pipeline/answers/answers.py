@@ -130,9 +130,32 @@ def margin(
         for name, values, kind in (("load", load, LOAD), ("velocity", velocity, VELOCITY))
         if values is not None
     }
-    overrides = condition_arrays(conditions)
-    cases = cases_of(ds)
-    answers = [_margin_of_case(case, points, overrides) for case in cases]
+    return _margins(ds, points, conditions, _judge_with_limits)
+
+
+@np.errstate(under="ignore")
+def plane_margins(
+    ds: xr.Dataset, loads: Array, velocities: Array, conditions: Mapping[str, Any]
+) -> xr.Dataset:
+    """Margins (..., load, velocity) without limits, which would take most of the time."""
+    axes = {"load": xr.DataArray(loads, dims="load")}
+    axes["velocity"] = xr.DataArray(velocities, dims="velocity")
+    margins = _margins(dataset_of(ds, False), axes, conditions, _judge)
+    return margins.transpose(..., *PLANE).assign_coords(axes)
+
+
+_Judge = Callable[[VerdictModel, QueryPoints], dict[str, Any]]
+
+
+def _margins(
+    ds: xr.Dataset,
+    points: Mapping[str, xr.DataArray],
+    conditions: Mapping[str, Any],
+    judge: _Judge,
+) -> xr.Dataset:
+    """Judge operating points of all cases; `points` has their loads and velocities."""
+    overrides, cases = condition_arrays(conditions), cases_of(ds)
+    answers = [_margin_of_case(case, points, overrides, judge) for case in cases]
     return with_governing_row(join_cases(ds, cases, answers))
 
 
@@ -144,7 +167,10 @@ def _is_load(value: Any) -> bool:
 
 
 def _margin_of_case(
-    case: CaseResults, points: Mapping[str, xr.DataArray], overrides: Mapping[str, xr.DataArray]
+    case: CaseResults,
+    points: Mapping[str, xr.DataArray],
+    overrides: Mapping[str, xr.DataArray],
+    judge: _Judge,
 ) -> xr.Dataset:
     """Judge operating points of one case; `points` has their loads and velocities."""
     points = arguments_of_case(points, case.labels)
@@ -156,7 +182,7 @@ def _margin_of_case(
             "load": xr.DataArray(case.own_load or case.loads[0]),
             "velocity": xr.DataArray(case.velocities[0]),
         }
-    models, variables = _evaluate(case, points["load"], points["velocity"], overrides, _judge)
+    models, variables = _evaluate(case, points["load"], points["velocity"], overrides, judge)
     # A condition that varies has its dimension, or a value at each point.
     varied = {
         name: variables.get(name, array) if name not in array.dims else array
@@ -171,7 +197,7 @@ def _evaluate(
     load: xr.DataArray,
     velocity: xr.DataArray,
     overrides: Mapping[str, xr.DataArray],
-    compute: Callable[[VerdictModel, QueryPoints], dict[str, Any]],
+    compute: _Judge,
 ) -> tuple[list[VerdictModel], dict[str, xr.DataArray]]:
     """Models of all oils, and variables by `compute` at points, broadcast against conditions.
 
@@ -214,8 +240,15 @@ def _evaluate(
     }
 
 
-def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
+def _judge_with_limits(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     """Variables of `margin` at k points."""
+    columns = _judge(model, points)
+    points = points._replace(**{axis: columns[axis] for axis in PLANE})
+    return columns | _mild_limits(model, points, columns["verdict"], columns["critical_friction"])
+
+
+def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
+    """Variables of `margin` at k points, without limits."""
     load_range, velocity_range = model.ranges["load"], model.ranges["velocity"]
     points = points._replace(
         load=np.array([snap(load, *load_range) for load in points.load.tolist()]),
@@ -238,7 +271,6 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     columns["decided_by"] = np.zeros(is_known.shape, np.int16)
     if is_open.any():
         columns["decided_by"][is_open] = remedies(model, points.take(is_open))
-    columns |= _mild_limits(model, points, columns["verdict"], columns["critical_friction"])
     return columns | points._asdict()
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.answers.condition_values import QueryPoints
-from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, VerdictModel
+from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED, VerdictModel
 from tribo.types import Array, Indices, Mask
 
 Side = IntEnum("Side", "INSIDE ABOVE BELOW OUTSIDE_MODEL UNKNOWN", start=0)
@@ -164,7 +164,8 @@ class Stretches(NamedTuple):
 def stretches(model: VerdictModel, points: QueryPoints) -> dict[int, Stretches]:
     """Stretches of each verdict on the lines of velocity through k points, by its code.
 
-    An edge of mild wear at its upper end, or of severe wear at its lower one, is a limit.
+    An edge of mild wear at its upper end, or of severe wear at its lower one, is a limit. Undecided
+    stretches, which fill what the others leave, end at nodes.
     """
     nodes = dense_values(np.union1d(model.field.velocities, model.ranges["velocity"]))
     codes, by_code = _codes(model, "velocity", points, nodes), dict[int, Stretches]()
@@ -172,6 +173,9 @@ def stretches(model: VerdictModel, points: QueryPoints) -> dict[int, Stretches]:
         is_change = np.diff(np.pad(codes == code, ((0, 0), (1, 1))).astype(int), axis=1)
         (line, first), (_, after) = np.nonzero(is_change == 1), np.nonzero(is_change == -1)
         start, end = nodes[first], nodes[after - 1]
+        by_code[code] = Stretches(line, start, end)
+        if code == UNDECIDED:
+            continue
         for edge, limit_code, is_inner, beyond in (
             (start, SEVERE, first > 0, first - 1),
             (end, MILD, after < len(nodes), after),
@@ -179,7 +183,6 @@ def stretches(model: VerdictModel, points: QueryPoints) -> dict[int, Stretches]:
             inside, lines = edge[is_inner], points.take(line[is_inner])
             last = _bisect(model, "velocity", code, lines, inside, nodes[beyond[is_inner]])
             edge[is_inner] = _rounded(last, inside, code) if code == limit_code else last
-        by_code[code] = Stretches(line, start, end)
     return by_code
 
 

@@ -22,6 +22,7 @@ from matplotlib.patheffects import Normal, Stroke
 
 import pipeline
 from pipeline.answers.answer_lines import not_included_lines, withheld_lines
+from pipeline.answers.answers import plane_margins
 from pipeline.answers.boundary_text import error_lines, ruling_lines
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import argument_array
@@ -74,7 +75,9 @@ def diagram(
     """
     operating_points = _operating_points(load, velocity)
     case = _case_with_plane(ds)
-    boundary, margins = pipeline.boundary(ds, **conditions), _margins(ds, case, conditions)
+    boundary = pipeline.boundary(ds, **conditions)
+    axes_of_grid = _refined(case.loads, _MIN_LOADS), _refined(case.velocities, _MIN_VELOCITIES)
+    margins = plane_margins(ds, *axes_of_grid, conditions)
     case_dimensions = [str(dim) for dim in boundary["critical_velocity"].dims if dim not in PLANE]
     figure, axes = style.canvas((8.0, 5.6))
     lines = [f"conditions: {text}" for text in attribute_texts(boundary, "conditions")]
@@ -154,14 +157,6 @@ def _set_axes(
         drawn_values = [axis_values[0], axis_values[-1], *marked_values]
         set_limits(min(drawn_values), max(drawn_values))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
-
-
-def _margins(ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]) -> xr.Dataset:
-    """Answers of `pipeline.margin` (..., load, velocity) on a fine grid over the sweep."""
-    loads = xr.DataArray(_refined(case.loads, _MIN_LOADS), dims="load")
-    velocities = xr.DataArray(_refined(case.velocities, _MIN_VELOCITIES), dims="velocity")
-    margins = pipeline.margin(ds, loads, velocities, **conditions).transpose(..., *PLANE)
-    return margins.assign_coords(load=loads, velocity=velocities)
 
 
 def _refined(points: Array, min_count: int) -> Array:
