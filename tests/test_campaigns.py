@@ -142,8 +142,11 @@ def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_s
 # Uncertain inputs
 
 
-def test_the_linear_rule_for_uncertain_inputs_holds_on_simulated_draws():
-    row = inputs.computed(("flagship", 1, 0.2, 8))
+def test_the_linear_rule_for_uncertain_inputs_holds_on_simulated_draws(monkeypatch):
+    scene, _, points = inputs.SCENES["flagship"]
+    narrower = {"window.pixels": [288, 120], "window.pixel_size": ["1.632 um", "1.9 um"]}
+    monkeypatch.setitem(inputs.SCENES, "narrower", (scene, narrower, points))
+    row = inputs.computed(("narrower", 1, 0.2, 8))
     assert row["refused"] == []
     assert len(row["inputs"]) == 11
     simulated, linear = (np.array(row[key]) for key in ("simulated", "linear"))

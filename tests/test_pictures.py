@@ -27,7 +27,7 @@ def carried(path):
 
 @cache
 def phrases_of_today():
-    """Runs of words in the texts that code, scenes and their tables have today."""
+    """Runs of words in the texts that code, scenes and their tables have today, as one text."""
     texts = [
         path.read_text(encoding="utf-8")
         for pattern in ("*.toml", "*.csv", "paper/*.toml")
@@ -40,14 +40,15 @@ def phrases_of_today():
             texts += [
                 n.value for n in nodes if isinstance(n, ast.Constant) and type(n.value) is str
             ]
-    return {run for text in texts for run in _RUN.findall(" ".join(text.split()).replace("_", " "))}
+    words = (" ".join(text.split()).replace("_", " ") for text in texts)
+    phrases = {phrase for text in words for phrase in _RUN.findall(text)}
+    return f" {' | '.join(phrases)} "
 
 
 @cache
 def is_of_today(run):
     """True if a run of words stands in a text of today, or is two such runs side by side."""
-    known = phrases_of_today()
-    if any(f" {run} " in f" {phrase} " for phrase in known):
+    if f" {run} " in phrases_of_today():
         return True
     words = run.split()
     halves = ((" ".join(words[:k]), " ".join(words[k:])) for k in range(1, len(words)))

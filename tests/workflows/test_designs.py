@@ -90,7 +90,7 @@ def assert_column_agrees(design, path, scene, roughness, operating_point=(), **o
 @pytest.mark.parametrize(
     ("design", "scene", "row", "roughness"),
     [
-        ("cam", "cam_tappet", "nose", ["0.3 um", "0.6 um"]),
+        pytest.param("cam", "cam_tappet", "nose", ["0.3 um", "0.6 um"], marks=pytest.mark.slow),
         ("gear", "gear_mesh", "D", ["0.35 um", "0.7 um"]),
     ],
 )
@@ -102,7 +102,10 @@ def test_a_row_of_a_scene_has_the_computed_numbers(design, scene, row, roughness
 
 @pytest.mark.parametrize(
     ("heading", "scene", "row"),
-    [("`cam_tappet`, nose", "cam_tappet", "nose"), ("`gear_mesh`, D", "gear_mesh", "D")],
+    [
+        pytest.param("`cam_tappet`, nose", "cam_tappet", "nose", marks=pytest.mark.slow),
+        ("`gear_mesh`, D", "gear_mesh", "D"),
+    ],
 )
 def test_the_mild_load_factor_of_a_row_is_the_computed_one(heading, scene, row, path):
     sweep = pipeline.load_scene(scene, overrides={"sweep.along": [row_of(scene, row)]})

@@ -48,10 +48,10 @@ def test_several_conditions_of_a_boundary_have_their_unit(tiny_store, irg, tmp_p
 
 
 def test_lists_of_conditions_are_coordinates_with_units_and_long_names():
-    ds = synthetic.sweep()
+    ds = synthetic.sweep((200.0, 400.0, 750.0), (1.0, 2.0, 4.0))
     lists = {
-        "friction": [0.09, 0.1], "bulk_temperature": ["25 degC", "30 degC"],
-        "critical_temperature": ["145 degC", "155 degC"], "critical_area_fraction": [0.1, 0.2],
+        "friction": [0.09, 0.1], "bulk_temperature": ["25 degC"],
+        "critical_temperature": ["145 degC", "155 degC"], "critical_area_fraction": [0.1],
         "added_rise_fraction": [0.0, 0.06],
     }  # fmt: skip
     for answer in (pipeline.boundary(ds, **lists), pipeline.margin(ds, 300.0, 1.5, **lists)):

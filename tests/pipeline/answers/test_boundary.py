@@ -41,16 +41,16 @@ def test_boundary_of_a_power_law_is_found_to_rounding(sweep, share):
 
 def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per_second():
     velocities, loads = np.linspace(1.05, 3.6, 5), np.linspace(210.0, 740.0, 5)
-    points = {"velocity": (400.0, velocities), "load": (loads, 2.0)}
     # measured 4.1e-6 and 3.2e-5; straight lines give 2.3e-3 and 3.2e-3
-    for name, tolerance in (("velocity", 8e-6), ("load", 6e-5)):
-        load, velocity = np.broadcast_arrays(*points[name])
+    for name, ds, points, tolerance in (
+        ("velocity", synthetic.sweep((400.0,), rise=curved), (400.0, velocities), 8e-6),
+        ("load", synthetic.sweep(velocities=(2.0,), rise=curved), (loads, 2.0), 6e-5),
+    ):
+        load, velocity = np.broadcast_arrays(*points)
         critical = (298.15 + 0.1 * curved(load, velocity, 0.9)).tolist()
-        answer = boundary(synthetic.sweep(rise=curved), critical_temperature=critical)
-        selection = {"load": 400.0} if name == "velocity" else {"velocity": 2.0}
-        lines = answer[f"critical_{name}"].sel(selection)
+        (line,) = boundary(ds, critical_temperature=critical)[f"critical_{name}"].values.T
         expected = velocities if name == "velocity" else loads
-        np.testing.assert_allclose(lines, expected, rtol=tolerance)
+        np.testing.assert_allclose(line, expected, rtol=tolerance)
 
 
 def test_the_boundary_is_nan_where_the_sweep_does_not_cross_it(sweep):
