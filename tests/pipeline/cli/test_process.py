@@ -215,6 +215,24 @@ def test_a_command_ends_with_its_code_and_a_line_on_what_ended_it(
     assert capsys.readouterr().err == message
 
 
+INTERRUPTED = """
+import threading
+import pipeline.cli
+from pipeline.__main__ import run
+
+def main():
+    threading.Thread(target=threading.Event().wait).start()  # as one that waits for a disk
+    return 130
+
+pipeline.cli.main = main
+run()
+"""
+
+
+def test_an_interrupted_command_waits_for_no_thread():
+    assert python("-c", INTERRUPTED, timeout=60).returncode == 130
+
+
 def test_no_setting_of_matplotlib_keeps_a_figure_from_being_drawn(tmp_path, tiny_store):
     figure = tmp_path / "a.png"
     command = ("-m", "pipeline", "plot", tiny_store, "-o", figure)

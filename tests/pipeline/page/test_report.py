@@ -115,6 +115,21 @@ def test_the_tables_are_those_of_the_answers(sweep, page):
     assert {"test", "outcome"} < {*cells}
 
 
+def test_a_report_names_its_tables_and_what_each_error_comes_from(sweep, page):
+    words = " ".join(Page(page).words.split())
+    for text in (
+        sweep.attrs["title"],
+        "The operating point in numbers",
+        "Tests, each at its own conditions, and what is computed for them",
+        "The numerical error comes from the elements and load steps, from interpolation between "
+        "simulated points, from the positions of the disk at which a pin at rest wears, and from "
+        "the small number of simulated surfaces; more computing makes it smaller.",
+        "The model error comes from the physics that is left out, and from the inputs; only tests "
+        "make it smaller.",
+    ):
+        assert text in words
+
+
 def test_nothing_of_a_user_is_read_as_html(page):
     parsed = checked(page)
     assert all(

@@ -1,5 +1,6 @@
 """Sensitivities to inputs, and what uncertain inputs make of answers, on a small scene."""
 
+import functools
 import json
 import math
 from collections import Counter
@@ -11,6 +12,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.point_text import to_decide
+from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
 
 SMALL = {
     "without": ["tests"],
@@ -31,9 +33,13 @@ def load(**uncertainty):
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory):
-    out = tmp_path_factory.mktemp("sensitivity") / "inputs.zarr"
-    return pipeline.sensitivity(load(), *AT, out, workers=1)
+def study_store(tmp_path_factory):
+    return tmp_path_factory.mktemp("sensitivity") / "inputs.zarr"
+
+
+@pytest.fixture(scope="module")
+def study(study_store):
+    return pipeline.sensitivity(load(), *AT, study_store, workers=1)
 
 
 def sensitivity_to(study, path):
@@ -63,20 +69,24 @@ def test_friction_and_temperatures_act_in_closed_form(study):
     assert sensitivity_to(study, "temperature.critical") == pytest.approx(-1 / 120)
 
 
-def log_rise(scene, load=400.0):
-    *_, end = tribo.simulate(scene, load, 2.0)
+def log_rise(scene, load=400.0, velocity=2.0):
+    *_, end = tribo.simulate(scene, load, velocity)
     return math.log(np.interp(0.9, tribo.QUANTILES, end.heat.rise_quantile))
+
+
+def slope(log_rise_of_factor):
+    """Central difference of ln(rise) over ln(factor)."""
+    return (log_rise_of_factor(1.1) - log_rise_of_factor(1 / 1.1)) / (2 * math.log(1.1))
 
 
 def test_radius_has_the_sensitivity_of_simulations_by_tribo(study):
     scene = load().scene
 
-    def with_radius(radius):
-        return replace(scene, pin=replace(scene.pin, radius=radius))
+    def log_rise_of(factor):
+        return log_rise(replace(scene, pin=replace(scene.pin, radius=2e-3 * factor)))
 
-    high, low = (log_rise(with_radius(2e-3 * factor)) for factor in (1.1, 1 / 1.1))
     # Here the quantile is interpolated linearly between those of the state.
-    expected = (high - low) / (2 * math.log(1.1))
+    expected = slope(log_rise_of)
     assert sensitivity_to(study, "pin.radius") == pytest.approx(expected, abs=0.005)
 
 
@@ -85,6 +95,51 @@ def test_a_hotter_input_lowers_the_critical_velocity_in_table_and_figure(study, 
     assert (np.sign(moving["log_rise_change"]) == -np.sign(moving["velocity_change"])).all()
     assert (np.diff(abs(study["log_rise_change"])) <= 0).all()
     assert pipeline.plot(study, out=tmp_path / "inputs.svg").exists()
+
+
+def test_a_change_of_the_allowable_rise_moves_the_critical_velocity_by_its_exponent(study):
+    exponent = slope(lambda factor: log_rise(load().scene, velocity=2.0 * factor))
+    assert study["velocity_exponent"].item() == pytest.approx(exponent, abs=0.005)
+    for path, change in (
+        ("friction.coefficient", math.log(1.1)),
+        ("temperature.bulk", 10 / 120),
+        ("temperature.critical", -10 / 120),
+    ):
+        row = study.sel(input=path)
+        assert row["log_rise_change"].item() == pytest.approx(change)
+        expected = math.exp(-change / exponent) - 1
+        assert row["velocity_change"].item() == pytest.approx(expected, rel=0.01)
+
+
+def test_the_command_prints_the_changes_and_says_what_they_mean(study, study_store, irg):
+    entries = [f"{k}={json.dumps(v)}" for k, v in SMALL.items() if k != "sweep.velocities"]
+    entries.append('sweep.velocities={ from = "1 m/s", to = "4 m/s", count = 3 }')
+    words = [word for entry in entries for word in ("--set", entry)]
+    command = "sensitivity", "first_try", *words, "--load", AT[0], "--velocity", AT[1]
+    printed = irg(*command, "--store", study_store, "--workers", "1")
+    rows = [line.split() for line in printed.splitlines()]
+    velocity_change = 100 * study["velocity_change"].sel(input="friction.coefficient").item()
+    assert ["friction", "0.1", "+10", "%", "0.0953", f"{velocity_change:.3g}"] in rows
+    text = " ".join(printed.split())
+    assert "inputs at 400 N and 2 m/s, where the rise grows as velocity^0." in text
+    assert (
+        "From changes of ± 10 % on one surface. A higher ln(rise ratio) is a hotter contact, and a "
+        "lower critical velocity." in text
+    )
+
+
+def test_declared_inputs_are_sorted_by_what_their_deviations_do(study, study_store):
+    declared = {CONDUCTIVITY: "1 %", "temperature.bulk": "5 K"}
+    ds = pipeline.sensitivity(load(**declared), *AT, study_store, workers=1)
+    deviations = ds["log_rise_deviation"]
+    expected = 0.01 * abs(sensitivity_to(study, CONDUCTIVITY))
+    assert deviations.sel(input=CONDUCTIVITY).item() == pytest.approx(expected)
+    assert deviations.sel(input="temperature.bulk").item() == pytest.approx(5 / 120)
+    assert np.isnan(deviations.sel(input="pin.radius").item())
+    frame = sensitivity_frame(ds).set_index("entry")
+    assert frame.loc["temperature.bulk", "standard deviation"] == "5 K"
+    assert frame.loc["temperature.bulk", "rise by it ± [%]"] == pytest.approx(4.2)
+    assert frame.loc[CONDUCTIVITY, "standard deviation"] == "1 %"
 
 
 def test_without_a_critical_velocity_one_is_to_be_given(tmp_path):
@@ -140,6 +195,7 @@ def test_an_input_that_the_scene_refuses_on_one_side_is_taken_on_the_other(tmp_p
     longer = replace(scene, pin=replace(scene.pin, length=0.25e-3 * 1.1))
     expected = (log_rise(longer, 30.0) - log_rise(scene, 30.0)) / math.log(1.1)
     assert row["sensitivity"].item() == pytest.approx(expected, abs=0.01)
+    assert "pin length: by +10 % alone, as −10 % has no result" in [*sensitivity_lines(ds)]
 
 
 @pytest.fixture(scope="module")
@@ -268,18 +324,20 @@ def test_what_decides_may_be_a_measured_input(uncertain):
     assert to_decide(point) == "measure the friction"
 
 
-def test_a_case_has_one_uncertainty_the_largest_of_its_three_loads(uncertain, tmp_path):
+def test_a_case_has_one_uncertainty_the_largest_of_its_three_loads(uncertain):
     answer(uncertain, uncertainty={CONDUCTIVITY: "15 %"})
-    parts = []
-    for load_of_point, velocity in points_of_variants(uncertain):
-        ds = pipeline.sensitivity(
-            load(), load_of_point, velocity, tmp_path / "inputs.zarr", workers=1
-        )
-        parts.append(15 * abs(sensitivity_to(ds, CONDUCTIVITY)))
+    scene, steel, points = load().scene, load().scene.disk, points_of_variants(uncertain)
+
+    def log_rise_of(factor, point):
+        other = replace(steel, thermal_conductivity=factor * steel.thermal_conductivity)
+        changed = replace(scene, pin=replace(scene.pin, material=other), disk=other)
+        return log_rise(changed, *point)
+
+    parts = [15 * abs(slope(functools.partial(log_rise_of, point=point))) for point in points]
     assert len(parts) == 3
     texts = {
         pipeline.margin(uncertain, *point).attrs["uncertain_inputs"].split(" %")[0]
-        for point in points_of_variants(uncertain)
+        for point in points
     }
     assert texts == {f"± {max(parts):.2g}"}
 
@@ -289,6 +347,17 @@ def points_of_variants(store):
     pairs = zip(ds["test_load"].values, ds["test_velocity"].values, strict=True)
     counts = Counter((load, round(float(velocity), 9)) for load, velocity in pairs)
     return [point for point, count in counts.items() if count > 1]  # velocity varies alone
+
+
+def test_a_load_without_a_critical_velocity_is_studied_at_the_end_that_is_nearest_to_it(tmp_path):
+    stores = []
+    for critical, velocity in (("900 degC", 4.0), ("30 degC", 1.0)):
+        entries = {"temperature.critical": critical, "uncertainty": {CONDUCTIVITY: "15 %"}}
+        sweep = pipeline.load_scene("first_try", overrides=SMALL | entries)
+        out = tmp_path / f"{velocity:g}.zarr"
+        pipeline.run_sweep(sweep, out, workers=1, source=next(iter(stores), None))
+        stores.append(out)
+        assert sorted(points_of_variants(out)) == [(load, velocity) for load in (200, 400, 750)]
 
 
 TEST = {"load": "400 N", "velocity": "2.3 m/s", "outcome": "transition"}
@@ -329,7 +398,7 @@ def test_what_is_no_deviation_of_an_input_is_refused(key, value, words):
         load(**{key: value})
 
 
-def test_the_appendix_of_a_report_has_the_bars_of_inputs(uncertain, tmp_path):
+def test_the_appendix_of_a_report_has_the_bars_of_inputs(uncertain, tmp_path, undrawn):
     answer(uncertain, uncertainty={CONDUCTIVITY: "15 %"})
     page = pipeline.report(uncertain, *AT, out=tmp_path / "report.html").read_text("utf-8")
     appendix = page.partition("Operating point")[2]

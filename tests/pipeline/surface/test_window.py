@@ -78,6 +78,11 @@ def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
         with pytest.raises(SceneFileError, match=words):
             scene(pixels, **table)
     wide = scene((96, 20), mirror=True, realizations=2)
+    assert any(
+        "48 × 20 heights were mirrored to fill the window of 96 × 20, so that the surface repeats "
+        "itself and the error by surface sampling is larger" in note.words
+        for note in wide.notes
+    )
     for case, part in zip(wide.cases, (HEIGHTS[:, :20], HEIGHTS[:, 20:]), strict=True):
         np.testing.assert_array_equal(case.scene.roughness.array[:48], part)
         np.testing.assert_array_equal(case.scene.roughness.array[48:], part[::-1])

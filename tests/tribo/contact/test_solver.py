@@ -1,4 +1,6 @@
+import functools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from tribo.analytic import (
     hertz_pressure,
 )
 from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.errors import ConvergenceError
 from tribo.surface import self_affine
 
 E_STAR = 115.385e9
@@ -53,6 +56,26 @@ def test_equals_an_independent_bounded_least_squares_solution(periodic, hardness
     )
     assert contact.pressure.ravel() == pytest.approx(reference, abs=1e-7 * reference.max())
     assert contact.approach == pytest.approx(approach, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("limits", "advice"),
+    [
+        ({"tolerance": 1e-10, "max_iterations": 1},
+         r"residual .* after \d+ iterations, above 1.00e-10; allow more than 1 iterations or"),
+        ({"tolerance": 1e-18},
+         "rounding of displacements of .* m allows no less; set a tolerance of at least (.*)"),
+    ],
+)  # fmt: skip
+def test_a_contact_that_does_not_converge_says_what_helps(limits, advice):
+    grid = Grid((8, 7), (1.0, 1.2), (False, True))
+    z = 2 * np.random.default_rng(0).uniform(size=grid.shape)
+    contact = functools.partial(solve_contact, ElasticHalfSpace(grid, 1.0), z, 0.8 * grid.area)
+    with pytest.raises(ConvergenceError, match="the contact did not converge: ") as error:
+        contact(**limits)
+    advised = re.search(advice, str(error.value)).groups()
+    tolerance = float(advised[0]) if advised else 1e-10
+    assert contact(tolerance=tolerance).residual <= tolerance
 
 
 @pytest.mark.parametrize("hardness", [math.inf, 2.2])

@@ -34,3 +34,8 @@ def test_share_is_nothing_above_the_maximum_and_all_below_the_minimum():
 def test_shares_at_the_ends_of_a_selection_have_its_first_and_last_quantile(share, rise):
     rises = np.array([[10.0, 20.0, 40.0]])
     assert rise_exceeded(rises, share, (0.25, 0.5, 0.75)) == pytest.approx([rise])
+
+
+def test_a_selection_of_one_quantile_has_its_rise():
+    with np.errstate(all="raise"):
+        assert rise_exceeded(np.array([[30.0]]), 0.1, (0.9,)).tolist() == [30.0]
