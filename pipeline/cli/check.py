@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, astuple
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pandas as pd
 
 import pipeline
@@ -21,10 +22,9 @@ from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, in_unit
 from pipeline.run.estimate import Estimate, machine_memory, worker_bytes
 from pipeline.scene.contact_estimate import (
-    CaseEstimate,
     ContactEstimate,
+    SingleCase,
     Span,
-    estimate_case,
     estimate_contact,
     estimate_contacts,
     require_admissible_load,
@@ -35,8 +35,8 @@ from pipeline.surface.window import form_words
 from pipeline.sweep.case_table import CASE
 from pipeline.sweep.notes import library_tables
 from pipeline.sweep.sweep import Sweep
-from tribo import InputError, lubrication_regime
-from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
+from tribo import InputError, Oil, lubrication_regime
+from tribo.simulation.lubrication import SurfaceSummary
 
 _ENDS = {
     True: 'which pin.ends = "free" computes (irg help model: how much)',
@@ -56,7 +56,7 @@ def check(options: argparse.Namespace) -> Result:
         require_admissible_load(case.sweep, max(case.sweep.loads), key)
     require_free_names(sweep)
     contact = estimate_contacts(cases) if is_listed else estimate_contact(sweep)
-    case_estimates = [estimate_case(case) for case in cases] if is_listed else []
+    case_estimates = [_case_estimate(case) for case in cases] if is_listed else []
     needed_bytes, available = worker_bytes(sweep), machine_memory()
     required = f"about {display(needed_bytes, 'MB', '.0f')} of memory per worker"
     if needed_bytes > available:
@@ -85,27 +85,42 @@ def check(options: argparse.Namespace) -> Result:
         "preset": sweep.preset,
         "contact": asdict(contact),  # in SI
         "cost": {**asdict(cost), "missing_uncertain": missing, "worker_bytes": needed_bytes},
-        "cases": [asdict(estimate) for estimate in case_estimates],  # in SI
+        "cases": case_estimates,  # in SI
         "statements": records([frame]),
     }
     text = [sweep.title, "", *case_table, statements, *sources_hint]
     return Result(document, text, [frame])
 
 
-def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
+def _case_estimate(case: SingleCase) -> dict[str, Any]:
+    """Numbers of a row at its own load and velocity [SI]."""
+    contact = estimate_contact(replace(case.sweep, loads=(case.load,)))
+    numbers = {
+        "half_width": contact.hertz_half_width,
+        "pressure": contact.hertz_pressure,
+        "pin_velocity": contact.pin_velocity,
+        "disk_velocity": contact.disk_velocity,
+        "slide_roll_ratio": contact.slide_roll_ratio,
+        "film_parameter": contact.film_parameter or Span(math.nan, math.nan),
+    }
+    values = {name: span.low for name, span in numbers.items()}
+    return {"case": case.label, "load": case.load, **values}
+
+
+def _case_frame(cases: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """Table of the contacts in the cases of a sweep, each at its own load and velocity."""
     headings = (
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
         "slide–roll ratio", "Λ",
     )  # fmt: skip
-    rows = (astuple(case) for case in cases)
+    rows = [[*case.values()] for case in cases]
     return frame_of(
         headings, [(*row[:2], *(float(f"{value:.4g}") for value in row[2:])) for row in rows]
     )
 
 
 def _meaning_rows(
-    sweep: Sweep, contact: ContactEstimate, cases: Sequence[CaseEstimate], memory: str
+    sweep: Sweep, contact: ContactEstimate, cases: Sequence[Mapping[str, Any]], memory: str
 ) -> Iterator[_Row]:
     """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
     scene, conditions = sweep.scene, sweep.conditions
@@ -124,7 +139,9 @@ def _meaning_rows(
     time, distance = _span_text(contact.duration, "s"), _span_text(contact.sliding_distance, "m")
     yield "motion", f"duration {time}, sliding distance {distance}"
     if sweep.lubricant is not None:
-        yield "oil", _oil_words(sweep, [case.film_parameter for case in cases])
+        films = [case["film_parameter"] for case in cases]
+        span = Span.from_values(films) if films else contact.film_parameter
+        yield "oil", _oil_words(sweep.lubricant, conditions.bulk_temperature, span)
     depth = contact.wear_depth
     yield "wear", f"{_span_text(depth, 'µm')} deep at the end of the test" if depth else "none"
     velocity = "u" if scene.motion else "V"
@@ -140,24 +157,14 @@ def _meaning_rows(
         yield "corrections", conditions.corrections.text
 
 
-def _oil_words(sweep: Sweep, film_parameters: Sequence[float]) -> str:
-    """Viscosity and film parameter of the oil, or the entry that is missing to compute it.
-
-    `film_parameters` are those of the cases, if each has its own load and velocity.
-    """
-    oil, bulk = sweep.lubricant, sweep.conditions.bulk_temperature
-    assert oil
+def _oil_words(oil: Oil, bulk: float, film: Span | None) -> str:
+    """Viscosity and film parameter of the oil, or the entry that is missing to compute it."""
     viscosity = f"{display(oil.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
-    lubrication = find_lubrication(sweep.scene, oil)
-    if lubrication is None:
+    if film is None or math.isnan(film.low):
         missing = "a rough disk" if oil.pressure_coefficient else "pressure_viscosity_coefficient"
         return f"{viscosity}; film thickness unknown without {missing}"
-    loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
-    span = Span.from_values(
-        film_parameters or lubrication.film_parameter(loads[:, None], velocities, bulk)
-    )
-    regime = " to ".join(dict.fromkeys(map(lubrication_regime, span)))
-    return f"{viscosity}; Λ {_span_text(span)}: {regime}"
+    regime = " to ".join(dict.fromkeys(map(lubrication_regime, film)))
+    return f"{viscosity}; Λ {_span_text(film)}: {regime}"
 
 
 def _span_text(span: Span, unit: str = "") -> str:

@@ -43,21 +43,11 @@ class ContactEstimate:
     sliding_distance: Span  # distance slid until then [m]
     wear_depth: Span | None = None  # expected on the pin at the end [m]; None without wear
     peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
+    pin_velocity: Span  # of the pin's surface past the contact [m/s]
+    disk_velocity: Span  # [m/s]
+    slide_roll_ratio: Span  # infinite where the mean of both velocities is 0
+    film_parameter: Span | None = None  # None if it is not known
     surface: SurfaceSummary | None  # surface of the disk; None if it is smooth
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CaseEstimate:
-    """Numbers of one case of a sweep, at its own load and velocity."""
-
-    case: str  #: Its label, else its number.
-    load: float  # [N]
-    half_width: float  # of Hertz, smooth, elastic and unworn [m]
-    pressure: float  # the highest of that contact [Pa]
-    pin_velocity: float  # of the pin's surface past the contact [m/s]
-    disk_velocity: float  # [m/s]
-    slide_roll_ratio: float  # infinite where the mean of both velocities is 0
-    film_parameter: float  # NaN if it is not known
 
 
 class SingleCase(NamedTuple):
@@ -91,28 +81,6 @@ def single_cases(sweep: Sweep, max_count: int) -> list[SingleCase]:
     return cases
 
 
-def estimate_case(case: SingleCase) -> CaseEstimate:
-    """Numbers of a row at its own load and velocity."""
-    label, sweep, load = case
-    scene, (velocity,) = sweep.scene, sweep.velocities
-    hertz = scene.pin.hertz(load, contact_modulus(scene.pin.material, scene.disk))
-    pin, disk = scene.velocities_at(velocity)
-    lubrication, mean = find_lubrication(scene, sweep.lubricant), (pin + disk) / 2
-    bulk = sweep.conditions.bulk_temperature
-    return CaseEstimate(
-        case=label,
-        load=load,
-        half_width=hertz.half_width,
-        pressure=hertz.peak_pressure,
-        pin_velocity=pin,
-        disk_velocity=disk,
-        slide_roll_ratio=(disk - pin) / mean if mean else math.inf,
-        film_parameter=(
-            float(lubrication.film_parameter(load, velocity, bulk)) if lubrication else math.nan
-        ),
-    )
-
-
 def estimate_contacts(cases: Sequence[SingleCase]) -> ContactEstimate:
     """Numbers of cases together: each `Span` is over all of them."""
     estimates, spans = [estimate_contact(case.sweep) for case in cases], dict[str, Any]()
@@ -124,16 +92,26 @@ def estimate_contacts(cases: Sequence[SingleCase]) -> ContactEstimate:
 
 
 def estimate_contact(sweep: Sweep) -> ContactEstimate:
-    """Calculate numbers that describe a scene, in closed form: contact, wear, Péclet number."""
+    """Calculate numbers that describe a scene, in closed form: contact, motion, wear and film."""
     scene, surface = sweep.scene, summarize_surface(sweep.scene)
-    velocities, diffusivity = sweep.velocities, scene.disk.thermal_diffusivity
-    _, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
-    expected = expect_contacts(scene, sweep.loads, velocities, surface.rq if surface else 0.0)
-    peclet = np.outer(expected["hertz_half_width"], np.abs(disk)) / (2 * diffusivity)
+    pin, disk = np.transpose([scene.velocities_at(velocity) for velocity in sweep.velocities])
+    expected = expect_contacts(scene, sweep.loads, sweep.velocities, surface.rq if surface else 0.0)
+    estimates = expected | {
+        "peclet_number": np.outer(expected["hertz_half_width"], np.abs(disk))
+        / (2 * scene.disk.thermal_diffusivity),
+        "pin_velocity": pin,
+        "disk_velocity": disk,
+        "slide_roll_ratio": np.divide(
+            disk - pin, (pin + disk) / 2, out=np.full(pin.shape, math.inf), where=pin != -disk
+        ),
+    }
+    if lubrication := find_lubrication(scene, sweep.lubricant):
+        loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
+        bulk = sweep.conditions.bulk_temperature
+        estimates["film_parameter"] = lubrication.film_parameter(loads[:, None], velocities, bulk)
     return ContactEstimate(
-        **{name: Span.from_values(values) for name, values in expected.items()},
+        **{name: Span.from_values(values) for name, values in estimates.items()},
         window=scene.grid.size,
-        peclet_number=Span.from_values(peclet),
         surface=surface,
     )
 
