@@ -20,7 +20,6 @@ from pipeline.scene.checks import disc_of, misfits, track_length, track_misfits
 from pipeline.scene.entries import Entries, entry_at, replace_values
 from pipeline.scene.format import (
     USUAL_PRESET,
-    Archard,
     MaterialTable,
     MeasuredSurfaceTable,
     Model,
@@ -48,6 +47,7 @@ from tribo.loading.record import find_fault
 from tribo.simulation import widen_window
 from tribo.simulation.pins import Relief, sizes_of
 from tribo.types import Array
+from tribo.wear import WEAR_LAWS
 
 Loading = tribo.Ramp | tribo.Stages | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness
@@ -224,9 +224,9 @@ def motion_of(table: MotionTable, pin: Any, disk: Any) -> tribo.Motion:
     )
 
 
-def wear_of(table: Archard) -> tribo.Wear:
-    """Archard's law of wear."""
-    return tribo.Wear(**vars(table))
+def wear_of(table: Declared) -> tribo.Wear | tribo.WearLaw:
+    """The wear law of a table."""
+    return WEAR_LAWS[table.form](**vars(table))
 
 
 def loading_of(

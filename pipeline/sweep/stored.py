@@ -21,6 +21,7 @@ from tribo import InputError
 from tribo.simulation.lubrication import SurfaceSummary
 from tribo.surface import UnknownHeights
 from tribo.types import Array
+from tribo.wear import WEAR_LAWS
 
 _WITH_CASES = {"tests", "variants"}
 """Fields of a sweep whose items each have a case."""
@@ -52,7 +53,7 @@ _CLASSES: dict[str, type] = {
         SceneWarning, FromLibrary, MissingSurface, Conditions, tribo.Corrections, tribo.Track,
         tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
-        tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
+        tribo.SelfAffineRoughness, tribo.MeasuredRoughness, *WEAR_LAWS.values(), tribo.Motion,
         tribo.Fidelity, tribo.Oil, *tribo.PINS.values(), tribo.Relief, UserLaw, UserSurface,
         SurfaceSummary,
     )

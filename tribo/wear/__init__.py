@@ -10,3 +10,6 @@ from tribo.wear.archard import WearPattern as WearPattern
 from tribo.wear.archard import WearScheme as WearScheme
 from tribo.wear.archard import evaluate_wear as evaluate_wear
 from tribo.wear.archard import require_wear as require_wear
+
+WEAR_LAWS: dict[str, type[Wear | WearLaw]] = {"Archard": Wear}
+"""Classes of wear laws, by the form of the table ``[wear]`` that has their parameters."""
