@@ -31,7 +31,7 @@ SCENES = {
     "gear": (
         "gear_mesh",
         {
-            "without": ["sweep.along"],
+            "without": ["sweep.along", "sweep.load_factors"],
             f"materials.{GEAR}.like": GEAR,
             "pin.radius": "7.531 mm",
             "motion.slide_roll_ratio": 1.0627,
