@@ -354,7 +354,8 @@ class SceneFile(Declared):
         "Model error and effects outside the model, as fractions of the temperature rise. They act "
         "after the simulation.", None)
     uncertainty: dict[str, Any] | None = entry(ByPath(Scalar()),
-        "Standard deviations of inputs by their paths, a share or a quantity, such as "
+        "Standard deviations of [inputs](YOUR_SYSTEM.md#your-own-system) by their paths, a share "
+        "or a quantity, such as "
         '`{ "materials.steel.thermal_conductivity" = "15 %" }`; paths separated by commas have '
         "one deviation in common. They act after the simulation.", None)
     fidelity: FidelityTable | None = entry(TableKind(FidelityTable),
