@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.answers.input_errors import input_name
-from pipeline.answers.sensitivity_answer import value_text
+from pipeline.answers.sensitivity_answer import deviation_text, value_text
 from pipeline.figures import style
 from pipeline.figures.style import BLUE, VERMILION
 from pipeline.run.trade import Trade
+
+_NARROW = 5.0  # width of a figure whose labels have two lines [in]
 
 
 @style.house_style
@@ -44,20 +48,44 @@ def draw_trade(trade: Trade) -> Figure:
 
 @style.house_style
 def draw_sensitivities(ds: xr.Dataset) -> Figure:
-    """Draw the change of the critical velocity for ± 10 % of each input, the strongest on top."""
+    """Draw the change of the critical velocity by each input, the strongest on top.
+
+    An input changes by ± its declared standard deviation or, without one, by ± 10 % or 10 K.
+    """
     ds = ds.isel(input=slice(None, None, -1))
-    paths = ds["input"].values.tolist()
-    figure, axes = style.canvas((8.0, 1.4 + 0.36 * len(paths)))
-    rises, exponent = ds["log_rise_change"].values, ds["velocity_exponent"].item()
-    for sign, colour, text in ((1, VERMILION, "+10 %, +10 K"), (-1, BLUE, "−10 %, −10 K")):
+    figure, axes = style.canvas((8.0, 1.4 + 0.36 * ds.sizes["input"]))
+    exponent, deviations = ds["velocity_exponent"].item(), ds["uncertainty"].values
+    by_deviations = ds["sensitivity"].values * deviations
+    rises = np.where(np.isnan(deviations), ds["log_rise_change"].values, by_deviations)
+    is_declared = not np.isnan(deviations).all()
+    texts = ("higher", "lower") if is_declared else ("+10 %, +10 K", "−10 %, −10 K")
+    for sign, colour, text in zip((1, -1), (VERMILION, BLUE), texts, strict=True):
         changes = 100 * np.expm1(-sign * rises / exponent)
-        axes.barh(range(len(paths)), changes, color=colour, label=text, gid=f"changes {text[0]}")
-    axes.set_yticks(range(len(paths)), [f"{input_name(p)}, {value_text(ds, p)}" for p in paths])
+        axes.barh(range(len(rises)), changes, color=colour, label=text)
+    separator = "\n" if figure.get_figwidth() < _NARROW else ", "
+    axes.set_yticks(range(len(rises)), [*_input_labels(ds, separator)])
     for label, choice in zip(axes.get_yticklabels(), ds["choice"].values, strict=True):
         label.set_fontweight("bold" if choice else "normal")
+    axes.margins(y=0.02)
     axes.axvline(0, color="black", lw=style.THIN)
     axes.set_xlabel("change of the critical velocity [%]")
     point = f"{ds['load'].item():.4g} N and {ds['velocity'].item():.3g} m/s"
     style.write_title(axes, style.as_text(f"{ds.attrs['title']}: inputs at {point}"))
-    style.legend_below(figure, caption="Bold: what a designer chooses.")
+    caption = "Bold: what a designer chooses."
+    if is_declared:
+        caption = f"By one standard deviation (±), or by 10 % or 10 K.\n{caption}"
+    style.legend_below(figure, caption=caption)
     return figure
+
+
+def _input_labels(ds: xr.Dataset, separator: str) -> Iterator[str]:
+    """Yield names, values and declared deviations; a single material is not named."""
+    paths = ds["input"].values.tolist()
+    names = {path.rpartition(".")[0] for path in paths if path.startswith("materials.")}
+    of_material = f" of {min(names).removeprefix('materials.')}" if len(names) == 1 else ""
+    for path, deviation in zip(paths, ds["uncertainty"].values.tolist(), strict=True):
+        name, value = input_name(path), value_text(ds, path)
+        if path.startswith("materials."):
+            name = name.removesuffix(of_material)
+        text = deviation_text(path, deviation)
+        yield f"{name}{separator}{value} ± {text}" if text else f"{name}{separator}{value}"
