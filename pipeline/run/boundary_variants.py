@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -53,15 +53,25 @@ def with_variants(store: Store) -> Sweep | None:
         stored_paths.add(variant.entry)
     cases = cases_of(ascending(store_dataset(store)))
     if cases[0].is_row:
-        points = [[*stored] for stored in stored_points.values()] or [[governing_row(cases)]]
+        points = [] if stored_points else [governing_row(cases)]
     else:
         points = [
-            [*stored_points.get(case.name, {})] or [*_boundary_points(case)] for case in cases
+            point for case in cases for point in _missing_points(case, stored_points[case.name])
         ]
-    if paths <= stored_paths and len(stored_points) >= len(points):
+    if paths <= stored_paths and not points:
         return None
-    flat_points = (point for case_points in points for point in case_points)
-    return replace(sweep, variants=variants_of(sweep, flat_points, paths | stored_paths))
+    stored = (point for case_points in stored_points.values() for point in case_points)
+    return replace(sweep, variants=variants_of(sweep, [*stored, *points], paths | stored_paths))
+
+
+def _missing_points(case: CaseResults, stored_points: Iterable[Point]) -> Iterator[Point]:
+    """Yield the points of a case at its lowest, middle and highest load that are not stored.
+
+    A store that has got further loads keeps its points at the old ones.
+    """
+    stored_loads = {point.load for point in stored_points}
+    if {*spread(np.array(case.loads)).tolist()} - stored_loads:
+        yield from (point for point in _boundary_points(case) if point.load not in stored_loads)
 
 
 def governing_row(cases: list[CaseResults]) -> Point:
