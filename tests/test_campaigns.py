@@ -163,6 +163,15 @@ def test_a_linear_rule_that_errs_by_more_than_by_chance_is_wrong():
         assert inputs.is_right([row | {"size": 0.4}])  # which is not promised
 
 
+def test_errors_of_probabilities_by_the_linear_rule_are_those_that_many_draws_count():
+    linear = np.random.default_rng(0).standard_normal(400_000)
+    simulated = linear - 0.05 * linear**2 + 0.02 * linear
+    counted = [(simulated > x).mean() - (linear > x).mean() for x in inputs.OFFSETS]
+    row = {"simulated": simulated[:200].tolist(), "linear": linear[:200].tolist()}
+    *_, error, _ = inputs.compared(row)
+    assert error == pytest.approx(np.abs(counted).max(), rel=0.15)
+
+
 # Accuracies that are asked for
 
 
