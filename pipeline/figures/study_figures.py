@@ -14,13 +14,14 @@ from pipeline.figures import style
 from pipeline.figures.style import BLUE, VERMILION
 from pipeline.run.trade import Trade
 
-_NARROW = 5.0  # width of a figure whose labels have two lines [in]
+_WIDTH = 8.0  # usual width of figures [in]
+_NARROW = 5.0  # width up to which labels have two lines [in]
 
 
 @style.house_style
 def draw_trade(trade: Trade) -> Figure:
     """Draw the whole error of the boundary over processor time, of runs and of whole planes."""
-    figure, axes = style.canvas((8.0, 5.6))
+    figure, axes = style.canvas((_WIDTH, 5.6))
     axes.set(xscale="log", yscale="log")
     for costs, label, marker, colour in (
         (trade.runs, "runs with a goal, measured", "D", VERMILION),
@@ -53,7 +54,9 @@ def draw_sensitivities(ds: xr.Dataset) -> Figure:
     An input changes by ± its declared standard deviation or, without one, by ± 10 % or 10 K.
     """
     ds = ds.isel(input=slice(None, None, -1))
-    figure, axes = style.canvas((8.0, 1.4 + 0.36 * ds.sizes["input"]))
+    is_narrow = style.width_or(_WIDTH) < _NARROW
+    row_height, separator = (0.48, "\n") if is_narrow else (0.36, ", ")
+    figure, axes = style.canvas((_WIDTH, 1.4 + row_height * ds.sizes["input"]))
     exponent, deviations = ds["velocity_exponent"].item(), ds["uncertainty"].values
     by_deviations = ds["sensitivity"].values * deviations
     rises = np.where(np.isnan(deviations), ds["log_rise_change"].values, by_deviations)
@@ -62,10 +65,9 @@ def draw_sensitivities(ds: xr.Dataset) -> Figure:
     for sign, colour, text in zip((1, -1), (VERMILION, BLUE), texts, strict=True):
         changes = 100 * np.expm1(-sign * rises / exponent)
         axes.barh(range(len(rises)), changes, color=colour, label=text)
-    separator = "\n" if figure.get_figwidth() < _NARROW else ", "
     axes.set_yticks(range(len(rises)), [*_input_labels(ds, separator)])
     for label, choice in zip(axes.get_yticklabels(), ds["choice"].values, strict=True):
-        label.set_fontweight("bold" if choice else "normal")
+        label.set(fontweight="bold" if choice else "normal", linespacing=1.0)
     axes.margins(y=0.02)
     axes.axvline(0, color="black", lw=style.THIN)
     axes.set_xlabel("change of the critical velocity [%]")
