@@ -77,7 +77,7 @@ def uncertainty_of(tables: SceneFile, faults: Faults) -> tuple[Uncertainty, ...]
     """Standard deviations of the table ``[uncertainty]``."""
     if not tables.uncertainty:
         return ()
-    inputs, uncertainties = inputs_of(tables), list[Uncertainty]()
+    inputs, uncertainties, all_paths = inputs_of(tables), list[Uncertainty](), list[str]()
     names = [*inputs, *CLOSED_FORM]
     for key, deviation in tables.uncertainty.items():
         paths = tuple(path.strip() for path in key.split(","))
@@ -85,6 +85,11 @@ def uncertainty_of(tables: SceneFile, faults: Faults) -> tuple[Uncertainty, ...]
             hint = did_you_mean(unknown[0], names) or f"; give {listed(names, 30)}"
             faults.refuse(f"uncertainty.{key}", f"is no input of the scene{hint}")
             continue
+        if repeated := [path for path in paths if (*all_paths, *paths).count(path) > 1]:
+            problem = f"has {repeated[0]} a second time; give each input once"
+            faults.refuse(f"uncertainty.{key}", problem)
+            continue
+        all_paths += paths
         deviations = set[float]()
         for path in paths:
             try:

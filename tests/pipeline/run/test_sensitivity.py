@@ -13,6 +13,7 @@ import pipeline
 import tribo
 from pipeline.answers.point_text import to_decide
 from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
+from pipeline.run.boundary_variants import missing_variants
 
 SMALL = {
     "without": ["tests"],
@@ -142,6 +143,19 @@ def test_declared_inputs_are_sorted_by_what_their_deviations_do(study, study_sto
     assert frame.loc[CONDUCTIVITY, "standard deviation"] == "1 %"
 
 
+def test_a_bar_is_of_the_declared_deviation_under_a_label_of_two_lines_if_narrow(study):
+    ds = study.copy(deep=True)
+    ds["uncertainty"].loc[{"input": CONDUCTIVITY}] = 0.2
+    (axes,) = pipeline.plot(ds, width="85 mm").axes
+    labels = [label.get_text() for label in axes.get_yticklabels()]
+    higher = axes.containers[0][labels.index("thermal conductivity\n45 W/(m K) ± 20 %")]
+    exponent = ds["velocity_exponent"].item()
+    changed = math.exp(-0.2 * sensitivity_to(ds, CONDUCTIVITY) / exponent)
+    assert higher.get_width() == pytest.approx(100 * (changed - 1))
+    (axes,) = pipeline.plot(study).axes
+    assert "thermal conductivity, 45 W/(m K)" in [t.get_text() for t in axes.get_yticklabels()]
+
+
 def test_without_a_critical_velocity_one_is_to_be_given(tmp_path):
     mild = pipeline.load_scene("first_try", overrides=SMALL | {"temperature.critical": "900 degC"})
     with pytest.raises(tribo.InputError, match=r"no critical velocity at 400 N .* give --veloc"):
@@ -250,12 +264,25 @@ def test_a_further_input_adds_its_points_alone(uncertain):
     assert pipeline.summary(uncertain).tests.done == 21 + 6
 
 
+def test_a_store_with_further_loads_has_points_at_the_highest_as_check_counts(tmp_path):
+    out, loads = tmp_path / "grown.zarr", ["200 N", "400 N", "750 N"]
+    for highest in (2, 3):
+        entries = {"uncertainty": {WEAR: "30 %"}, "sweep.loads": loads[:highest]}
+        sweep = pipeline.load_scene("first_try", overrides=SMALL | entries)
+        assert missing_variants(sweep, out) == (10, 5)[highest - 2]
+        pipeline.run_sweep(sweep, out, workers=1)
+        assert missing_variants(sweep, out) == 0
+    assert [load_of_point for load_of_point, _ in points_of_variants(out)] == [200, 400, 750]
+    assert pipeline.run_sweep(sweep, out, workers=1).computed == 0
+    assert pipeline.summary(out).tests.done == 15
+
+
 def test_large_uncertainties_are_warned_of():
     (warning,) = load(
-        **{CONDUCTIVITY: "60 %", WEAR: "40 %", "friction.coefficient": "60 %"}
+        **{CONDUCTIVITY: "30 %", WEAR: "20 %", "friction.coefficient": "60 %"}
     ).all_warnings
     assert warning.path == f"uncertainty.{CONDUCTIVITY}"
-    assert "60 % is more than 40 %" in warning.words
+    assert "30 % is more than 20 %" in warning.words
 
 
 def test_check_and_a_dry_run_count_the_points_of_uncertain_inputs_and_the_missing_ones(
@@ -391,11 +418,17 @@ def test_tests_narrow_uncertain_inputs_unless_these_are_their_own(uncertain, tmp
         ("pin.radius", "0 %", '"0 %" is outside the allowed range; give a share'),
         ("temperature.bulk", "5 %", "is not a number with a unit"),
         ("pin.radius, temperature.bulk", "5 K", "cannot be converted"),
+        ("pin.radius, pin.radius", "5 %", "has pin.radius a second time; give"),
     ],
 )
 def test_what_is_no_deviation_of_an_input_is_refused(key, value, words):
     with pytest.raises(pipeline.SceneFileError, match=words):
         load(**{key: value})
+
+
+def test_an_input_in_two_keys_is_refused():
+    with pytest.raises(pipeline.SceneFileError, match=r"has pin.radius a second time; give each"):
+        load(**{"pin.radius": "5 %", "pin.length, pin.radius": "2 %"})
 
 
 def test_the_appendix_of_a_report_has_the_bars_of_inputs(uncertain, tmp_path, undrawn):
