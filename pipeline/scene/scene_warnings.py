@@ -157,7 +157,8 @@ def _large_uncertainties(sweep: Sweep, facts: ContactEstimate) -> Warnings:
         if deviation > LINEAR_UNCERTAINTY and not {*entries} & {*CLOSED_FORM}:
             words = (
                 f"{100 * deviation:.3g} % is more than {100 * LINEAR_UNCERTAINTY:.3g} %, up to "
-                "which the effect of inputs was found to be linear: compare values by sweep.over"
+                "which inputs act linearly; a probability of severe wear can be wrong by more than "
+                "0.02: compare values by sweep.over"
             )
             yield SceneWarning(f"uncertainty.{', '.join(entries)}", words)
 

@@ -140,11 +140,13 @@ def report(rows):
         probability = f"{error:.3f} ± {deviation:.3f}"
         cells = f"{simulated:.4f}", f"{linear:.4f}", f"{ratio:.3f}", probability
         lines.append((row["scene"], load_velocity, f"{100 * row['size']:g} %", count, *cells))
-        worst.setdefault(row["size"], []).append((abs(ratio - 1), (error, probability)))
+        errors = abs(ratio - 1), (error, probability), row["scene"]
+        worst.setdefault(row["size"], []).append(errors)
     texts = [
-        f"{100 * size:g} %: {100 * max(x for x, _ in pairs):.1f} % of the standard deviation, "
-        f"{max(p for _, p in pairs)[1]} of P at {len(pairs)} points"
-        for size, pairs in worst.items()
+        f"{100 * size:g} %: {100 * max(ratios):.1f} % of the standard deviation, "
+        f"{max(probabilities)[1]} of P at {len(ratios)} points of {', '.join(dict.fromkeys(names))}"
+        for size, errors in worst.items()
+        for ratios, probabilities, names in [zip(*errors, strict=True)]
     ]
     return "\n\n".join(
         [table(HEADS, lines), f"largest errors of the linear rule by inputs of {'; '.join(texts)}"]
