@@ -16,8 +16,10 @@ from tribo import InputError
 
 _MATERIAL = "hardness", "elastic_modulus", "thermal_conductivity", "density", "specific_heat"
 _SCALE_OF_SCAN = "disk.roughness.height_unit"
-_TEMPERATURE = Quantity("5 K", name="a temperature difference")
-_SHARE = Share(above=0)
+_TEMPERATURE = Quantity(
+    "5 K", name="a temperature difference", ends=("0.001 K", "200 K")
+)  # 5 °C is 278 K
+_SHARE = Share(above=0, at_most=1)
 _OTHERS = (
     "pin.radius", "pin.length", "pin.crown_radius", "disk.roughness.ra", _SCALE_OF_SCAN,
     "disk.roughness.correlation_length", "disk.roughness.rsm", "wear.specific_wear_rate",
@@ -111,4 +113,5 @@ def _deviation(path: str, typed: Any, inputs: Mapping[str, Input]) -> float:
     is_share = not isinstance(typed, str) or typed.rstrip().endswith(("%", "percent"))
     if is_share or not unit or path == _SCALE_OF_SCAN:
         return float(_SHARE.value(typed))
-    return float(Quantity(f"1 {unit}").value(typed)) / inputs[path].first
+    deviation = float(Quantity(f"1 {unit}").value(typed)) / inputs[path].first
+    return float(_SHARE.value(deviation))
