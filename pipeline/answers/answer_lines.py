@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.pin_ends import is_severe_at_end
+from pipeline.answers.hottest_end import is_severe_at_end
 from pipeline.answers.value_text import attribute_texts, flag_names, format_error
 from pipeline.messages import listed
 from pipeline.store.schema import PLANE

@@ -24,8 +24,8 @@ from pipeline.answers.condition_values import (
 )
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import LineOutcome
+from pipeline.answers.hottest_end import end_temperatures
 from pipeline.answers.load_factors import with_governing_row, with_mild_load_factor
-from pipeline.answers.pin_ends import end_temperatures
 from pipeline.answers.remedies import remedies
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_limits import Side, friction_limits, line_limits

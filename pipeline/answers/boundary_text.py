@@ -12,7 +12,7 @@ from pipeline.answers.answer_lines import (
     not_included_lines,
     uncertain_inputs_lines,
 )
-from pipeline.answers.pin_ends import end_lines
+from pipeline.answers.hottest_end import end_lines
 from pipeline.answers.point_text import ERROR_PARTS
 from pipeline.answers.value_text import split_texts
 from tribo.types import Array

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import xarray as xr
 
 from pipeline.answers.answer_lines import contact_warnings, not_included_lines
-from pipeline.answers.pin_ends import end_text
+from pipeline.answers.hottest_end import end_text
 from pipeline.answers.value_text import (
     LINE_OUTCOMES,
     OUTSIDE,

@@ -26,7 +26,7 @@ from pipeline.answers.answers import plane_margins
 from pipeline.answers.boundary_text import error_lines, ruling_lines
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import argument_array
-from pipeline.answers.pin_ends import end_lines
+from pipeline.answers.hottest_end import end_lines
 from pipeline.answers.regions import Region, regions
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import named_value
