@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any, Literal
@@ -26,8 +26,8 @@ from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import Document, override, read_document, text_of
 from pipeline.shipped import scene_path
 from pipeline.sweep import plan
-from pipeline.sweep.case_table import SEED_ENTRY, CaseTable
-from pipeline.sweep.notes import SceneWarning
+from pipeline.sweep.case_table import SEED_ENTRY
+from pipeline.sweep.notes import SceneNote, SceneWarning
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point, Sweep
 
@@ -80,7 +80,7 @@ def load_scene(
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
         raise SceneFileError(path, [*map(document.line, faults)])
-    return sweep
+    return replace(sweep, notes=(*sweep.notes, *_notes_on_unused_materials(document, sweep)))
 
 
 def _overridden(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
@@ -132,7 +132,6 @@ class Source:
             entries = replace_values(entries, {SEED_ENTRY: seed})
             scene = replace(scene, case=scene.case.on_surface(seed))
         tests = read_tests(entries, self.files, scene, faults)
-        _note_unused_materials(entries, cases.table, faults)
         key = "sweep.along" if rows else "sweep.over"
         declared = scene.tables.sweep
         sweep = Sweep(
@@ -172,16 +171,17 @@ class Source:
         return warnings_of_all(sweep)
 
 
-def _note_unused_materials(entries: Entries, table: CaseTable, faults: Faults) -> None:
-    """Note the materials of a scene that neither pin nor disk has in any case or test."""
-    materials = entries.get("materials", {})
+def _notes_on_unused_materials(document: Document, sweep: Sweep) -> Iterator[SceneNote]:
+    """Notes on materials of a file that neither pin nor disk has in any case or test."""
+    entries = document.entries
     tests = [test for test in entries.get("tests", []) if isinstance(test, dict)]
     bodies = [{key: table for key, table in entries.items() if key in ("pin", "disk")}, *tests]
-    names = {value for row in table.rows for value in row.values() if isinstance(value, str)}
+    rows = sweep.case_table.rows
+    names = {value for row in rows for value in row.values() if isinstance(value, str)}
     names |= {str(v) for body in bodies for path, v in flat(body) if path.endswith(".material")}
-    for name in (name for name in materials if name not in names):
+    for name in (name for name in document.of_file.get("materials", {}) if name not in names):
         words = f"no part has this material; set pin.material = {quoted(name)}, or remove it"
-        faults.note(key_path("materials", name), words)
+        yield SceneNote(key_path("materials", name), words)
 
 
 def sweep_of(scene: SceneLike) -> Sweep:

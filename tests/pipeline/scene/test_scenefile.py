@@ -166,6 +166,7 @@ def test_a_material_that_no_part_has_is_noted(read):
         ("sweep.over", {"pin.material": ["brass", "steel"]}),
     ):
         assert read(("[pin]", f"{BRASS}[pin]"), overrides={path: value}).notes == ()
+    assert load_scene("mtm").notes == ()  # the scene that it extends has its own steel
 
 
 FAULTS = {  # scene, other entries, and the keys that are named
