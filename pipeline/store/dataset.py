@@ -13,6 +13,7 @@ from xarray.core import indexing
 
 from pipeline.store.location import PathLike, damaged, location_of
 from pipeline.store.schema import (
+    ABOUT,
     AT_TESTS,
     DATA,
     DONE,
@@ -81,6 +82,8 @@ def _store_of(ds: xr.Dataset) -> Store | None:
     location = ds.variables["status"].encoding.get("store", ds.encoding.get("source"))
     if not location or Path(location).is_file() or "sweep_digest" not in ds.attrs:
         return None
+    if Path(location).is_dir() and not (Path(location) / ABOUT).is_dir():
+        return None  # written by xarray
     store = opened(location)
     if ds.attrs.get("sweep_digest") != store.root.sweep_digest:
         raise InputError(

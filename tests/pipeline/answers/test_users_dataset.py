@@ -162,11 +162,12 @@ def test_left_out_quantiles_are_refused_where_they_would_change_the_rise(ds, fra
     assert refused >= 3
 
 
-def test_a_netcdf_file_of_plain_xarray_is_refused_since_it_lacks_the_tests(tiny_store, tmp_path):
+def test_a_file_of_plain_xarray_is_refused_since_it_lacks_the_tests(tiny_store, tmp_path):
     plain = xr.open_zarr(tiny_store, chunks=None)
     assert np.isfinite(rise_of(plain))
-    with pytest.raises(InputError, match=r"scene and tests; use one from pipeline\.open"):
-        rise_of(file_of(plain.drop_vars("message", errors="ignore"), tmp_path))
+    for write in (file_of, store_of):
+        with pytest.raises(InputError, match=r"scene and tests; use one from pipeline\.open"):
+            rise_of(write(plain.drop_vars("message", errors="ignore").drop_encoding(), tmp_path))
 
 
 class PolarsFrame:
