@@ -1,7 +1,8 @@
 """Kills of drivers, workers and everything at random moments, while a sweep grows.
 
-A quarter of the trials computes on Dask's workers, by ``irg run``, with and without ``--accuracy``.
-The others do without Dask: there half of the time is spent in commits.
+A quarter of the trials computes on Dask's workers, by ``irg run``: with fields, with
+``--accuracy``, and with uncertain inputs, whose points follow in a larger store once the plane is
+done. The others do without Dask: there half of the time is spent in commits.
 A quarter takes over the points of another store.
 """
 
@@ -18,6 +19,7 @@ import psutil
 import pipeline
 from pipeline.run.search import MOST_REALIZATIONS
 from pipeline.store.store import opened
+from pipeline.sweep.plan import TEST_POINT
 from tests.crash.loop import PATIENCE, Forked, code_of, started
 from tests.crash.sweeps import STAGES, Expected
 from tests.helpers.entries import changed
@@ -31,6 +33,8 @@ _SCENE = Path(__file__).parents[2] / "workflows" / "{}.toml"
 _PLAIN = 'without=["tests"]'  # whose points are beside the plane
 _COARSE = ["fidelity.pixels_per_element=8", "fidelity.increments=6", "sweep.fields=true", _PLAIN]
 _FASTER = 'sweep.velocities={from="0.5 m/s",to="4 m/s",step="0.25 m/s"}'
+_INPUTS = '"disk.roughness.ra"="10 %","wear.specific_wear_rate"="40 %"'
+_MORE_INPUTS = '"pin.radius"="1 %"'
 # Scene and options of each command, its settings, and more settings at each stage.
 _COMMANDS = {
     "command": (
@@ -47,16 +51,34 @@ _COMMANDS = {
         ["sweep.fields=false", _PLAIN],  # only the first realization has fields
         [['sweep.loads=["200 N","400 N","750 N"]']],
     ),
+    "uncertain": (
+        ["irg_transition"],
+        _COARSE,
+        [
+            ['sweep.loads=["200 N","400 N"]', f"uncertainty={{{_INPUTS}}}"],
+            ['sweep.loads=["200 N","400 N","750 N"]', f"uncertainty={{{_INPUTS}}}"],
+            ['sweep.loads=["200 N","400 N","750 N"]', f"uncertainty={{{_INPUTS},{_MORE_INPUTS}}}"],
+        ],
+    ),
 }
 
 
 class _AsStored:
-    """Expected results of points, computed at the load steps that the store has kept."""
+    """Expected results of points, computed at the load steps that the store has kept.
+
+    Points of uncertain inputs, which the run chooses, are computed as the store describes them.
+    """
 
     def __init__(self, sweep, path):
         self._sweep, self._path, self._expected = sweep, path, None
+        self._of_inputs = {}
 
     def __call__(self, point):
+        if TEST_POINT in dict(point.case):
+            if point not in self._of_inputs:
+                _, group = opened(self._path).groups
+                self._of_inputs[point] = Expected(group.sweep)(point)
+            return self._of_inputs[point]
         if self._expected is None:
             stored_steps = opened(self._path).sweep.stored_steps
             self._expected = Expected(changed(self._sweep, stored_steps=stored_steps))

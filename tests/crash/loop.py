@@ -4,7 +4,6 @@ However it was disturbed, the store opens and is clean, no point is lost that wa
 all points that are done are, bit for bit, what is computed alone. In the end a run completes it.
 """
 
-import itertools
 import json
 import os
 import signal
@@ -22,9 +21,10 @@ import numpy as np
 import pipeline
 from pipeline import verify_store
 from pipeline.store.create import find_sweep
-from pipeline.store.dataset import open_store
+from pipeline.store.dataset import store_dataset
 from pipeline.store.files import PARTIAL
-from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS
+from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS, PLANE
+from pipeline.store.store import opened
 from pipeline.sweep.sweep import Point
 from tests.crash.driver import drive
 from tests.crash.sweeps import EXPECTED, FAILING, REASON, STAGES
@@ -128,12 +128,13 @@ def end(run):
 def indexed_points(ds):
     """Yield each index into the variables of a dataset, and the `Point` there."""
     dims = ds["status"].dims
-    for labels in itertools.product(*(enumerate(ds[dim].values.tolist()) for dim in dims)):
-        values = {dim: value for dim, (_, value) in zip(dims, labels, strict=True)}
-        if "case" in values:  # each case has its own velocity
-            values["velocity"] = float(ds["velocity"].sel(case=values["case"]))
-        load, velocity = values.pop("load"), values.pop("velocity")
-        yield tuple(number for number, _ in labels), Point(load, velocity, tuple(values.items()))
+    values = {name: ds[name].values for name in {*dims, *PLANE}}
+    for index in np.ndindex(ds["status"].shape):
+        at = dict(zip(dims, index, strict=True))
+        # In rows, load and velocity are those of the row.
+        load, velocity = (float(values[k][tuple(at[d] for d in ds[k].dims)]) for k in PLANE)
+        case = tuple((d, values[d].tolist()[k]) for d, k in at.items() if d not in PLANE)
+        yield index, Point(load, velocity, case)
 
 
 def values_of_points(ds):
@@ -157,25 +158,26 @@ def differing(arrays, index, result):
             yield f"{name} beyond its end"
 
 
-def faults_of(ds, expected, acknowledged):
-    """Yield faults of a dataset: lost points, wrong values, and values of points not done.
+def faults_of(datasets, expected, acknowledged):
+    """Yield faults of the datasets of a store: lost points, wrong values, values of other points.
 
     A point may have failed as it is meant to in the first stage.
     """
-    arrays = values_of_points(ds)
     left = set(acknowledged)
-    for index, point in indexed_points(ds):
-        status = int(arrays["status"][index])
-        if status == DONE:
-            left.discard(point)
-            names = list(differing(arrays, index, expected(point)))
-            yield from (f"{point}: {name} differs" for name in names)
-            continue
-        if status == FAILED and (point, arrays["message"][index]) != (FAILING, REASON):
-            yield f"{point} has failed: {arrays['message'][index]}"
-        for name in {*COLUMNS, *FIELDS} & set(arrays):
-            if _is_known(arrays[name][index]).any():
-                yield f"{point} is not done, and has {name}"
+    for ds in datasets:
+        arrays = values_of_points(ds)
+        for index, point in indexed_points(ds):
+            status = int(arrays["status"][index])
+            if status == DONE:
+                left.discard(point)
+                names = list(differing(arrays, index, expected(point)))
+                yield from (f"{point}: {name} differs" for name in names)
+                continue
+            if status == FAILED and (point, arrays["message"][index]) != (FAILING, REASON):
+                yield f"{point} has failed: {arrays['message'][index]}"
+            for name in {*COLUMNS, *FIELDS} & set(arrays):
+                if _is_known(arrays[name][index]).any():
+                    yield f"{point} is not done, and has {name}"
     yield from (f"{point} was told as done, and is lost" for point in left)
 
 
@@ -264,14 +266,20 @@ class Trial:
             word = "it hangs" if code is None else f"it ends with {code}"
             self.fault(f"resumed, {word}: {self.last_words()}")
         self.look()
-        if code == 0 and (pending := pipeline.summary(self.path).pending):
-            self.fault(f"resumed, {pending} points are not done")
+        for summary in self._summaries() if code == 0 else ():
+            if summary.pending:
+                self.fault(f"resumed, {summary.pending} points are not done")
         left = [*self.path.parent.rglob(f"*{PARTIAL}")]
         self.run.report.faults += [f"left over: {file}" for file in left]
         acknowledged = self.acknowledged
         self.run.report.counts["acknowledged"] += len(acknowledged)
         for point in (point for point, times in acknowledged.items() if times > 1):
             self.fault(f"{point} was told as done, and computed again")
+
+    def _summaries(self):
+        """Summaries of the plane and of the points beside it, if there are any."""
+        plane = pipeline.summary(self.path)
+        return [plane, plane.tests] if plane.tests else [plane]
 
     def wait(self, driver):
         """Let a driver run for a random time, or until some further points are done."""
@@ -296,9 +304,9 @@ class Trial:
                 return
             for fault in faults_of_files(verify_store(self.path)):
                 self.fault(fault)
-            with open_store(self.path) as ds:
-                for fault in faults_of(ds.load(), self.expected, acknowledged):
-                    self.fault(fault)
+            datasets = [store_dataset(group).load() for group in opened(self.path).groups]
+            for fault in faults_of(datasets, self.expected, acknowledged):
+                self.fault(fault)
         except Exception as error:
             self.fault(f"{type(error).__name__}: {error}")
 
