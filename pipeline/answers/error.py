@@ -28,6 +28,7 @@ import numpy as np
 from pipeline.answers.pchip import Pchip
 from pipeline.constants import (
     EXPONENT_ERROR,
+    FREE_ENDS_BOUNDS,
     HIGHEST_TEMPERATURE_BOUNDS,
     HIGHEST_TEMPERATURE_FRACTION,
     LARGE_AREA_FRACTION,
@@ -44,6 +45,7 @@ from pipeline.constants import (
 )
 from pipeline.sweep.sweep import Sweep
 from tribo import PRESETS, Fidelity, Scene, WarningKind
+from tribo.simulation.pin_ends import has_free_ends
 from tribo.types import Array, Indices
 
 if TYPE_CHECKING:  # so that irg check does not import xarray
@@ -304,7 +306,15 @@ def preset_error_of(sweep: Sweep) -> float | None:
 
     It is known only for presets, adapted to the scene.
     """
-    return preset_bound(str(_preset(sweep)), sweep.conditions.critical_area_fraction)
+    return _bound_of(sweep, str(_preset(sweep)))
+
+
+def _bound_of(sweep: Sweep, preset: str) -> float | None:
+    """`preset_bound` of a sweep, which is larger for a pin that is computed with its ends."""
+    bound = preset_bound(preset, sweep.conditions.critical_area_fraction)
+    if bound is None or not has_free_ends(sweep.scene):
+        return bound
+    return max(bound, FREE_ENDS_BOUNDS.get(preset, bound))
 
 
 def preset_bound(preset: str, share: float) -> float | None:
@@ -328,7 +338,7 @@ def finer_preset_error(sweep: Sweep) -> float:
     presets, preset = [*PRESET_BOUNDS], _preset(sweep)
     finer = presets.index(preset) + 1 if preset in presets else 0
     name = presets[min(finer, len(presets) - 1)]
-    return float(preset_bound(name, sweep.conditions.critical_area_fraction) or math.nan)
+    return float(_bound_of(sweep, name) or math.nan)
 
 
 def position_limit(sweep: Sweep) -> float:

@@ -5,9 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import pipeline
 import tribo
 from pipeline import Conditions, run_point
-from pipeline.answers.error import has_unknown_preset_error, preset_bound, preset_error_of
+from pipeline.answers.error import (
+    has_unknown_preset_error,
+    preset_bound,
+    preset_error_of,
+    preset_error_text,
+)
 from pipeline.sweep.case import allowable_rise
 from tests.helpers import synthetic, tiny
 from tribo import PRESETS, QUANTILES
@@ -86,6 +92,13 @@ def test_only_a_preset_has_a_known_error(preset, changes, error):
     case = synthetic.scene(preset=None, fidelity=replace(PRESETS[preset], **changes))
     assert preset_error_of(case) == error
     assert has_unknown_preset_error(case) == (error is None)
+
+
+@pytest.mark.parametrize("preset", ["standard", "fine"])
+def test_a_pin_with_its_ends_has_a_larger_error(preset):
+    sweep = pipeline.load_scene("whole_pin", preset)
+    assert preset_error_of(sweep) == 0.015 > preset_bound(preset, 0.1)
+    assert "discretization error at most 1.5 % of critical" in preset_error_text(sweep)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,138 @@
+"""Whether the bounds of presets hold for pins that are computed with their ends.
+
+Short pins are compared with `reference`. Pins of the length of `whole_pin` are too large for it:
+they are compared with `fine` at a contact tolerance of 0.01. Short pins have pixels of a fifth of
+the correlation length, as the shipped scene has, and every other one has a lay or relieved ends.
+
+    python -m tests.promises.pins [--short N] [--long N] [--minutes M]
+"""
+
+import argparse
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import pipeline
+from pipeline.constants import PRESET_BOUNDS
+from tests.helpers.campaigns import commit, compute, conclude, read, table
+from tests.promises.moving_disk import decisive
+from tribo import PRESETS, TriboError, simulate, warnings
+from tribo.constants import SLOWEST
+
+JUDGED = "standard", "fine"
+_STEP = 0.1  # of ln(velocity), for the exponent of the rise
+HEADS = "pins", "N", "m/s", *(f"error of `{name}` [%]" for name in JUDGED), "exponent", "warnings"
+FILE = Path("results/pins.jsonl")
+
+
+def short_pin(number):
+    """Entries of a pin of 1 mm of a number, its load [N] and velocity [m/s]."""
+    rng = np.random.default_rng(26000 + number)
+    line_load, length = np.exp(rng.uniform(np.log(200), np.log(750))), rng.uniform(10, 16)
+    velocity = 2.25 * (line_load / 400) ** -0.85 * rng.uniform(0.8, 1.2)
+    lay = rng.uniform(4, 12) if number % 2 else 1.0
+    wear = 1.2e-6 * np.exp(rng.uniform(np.log(0.1), np.log(2)))
+    entries = {
+        "pin.length": "1 mm",
+        "disk.roughness.correlation_length": [f"{length:.4g} um", f"{lay * length:.4g} um"],
+        "disk.roughness.seed": number,
+        "window.pixels": [192, 240],
+        "window.pixel_size": [f"{length / 4.9:.4g} um", f"{length / 4.2:.4g} um"],
+        "wear.specific_wear_rate": f"{wear:.4g} mm^3/(N m)",
+        "loading.rate": f"{150 / 3.4:.5g} N/s",
+        "loading.reference_load": f"{750 / 3.4:.5g} N",
+        "sweep.loads": ["50 N", "200 N"],
+    }
+    return entries | _relief(number), line_load / 3.4, velocity
+
+
+def long_pin(number):
+    """Entries of a pin of 3.4 mm of a number, its load [N] and velocity [m/s]."""
+    load, velocity = ((400.0, 2.25), (200.0, 3.5), (750.0, 1.25))[number % 3]
+    return {"disk.roughness.seed": number} | _relief(number + 1), load, velocity
+
+
+def _relief(number):
+    relieved = {"pin.relief.depth": "2 um", "pin.relief.length": "0.3 mm"}
+    return relieved if number // 2 % 2 else {}
+
+
+KINDS = {
+    "1 mm": (short_pin, PRESETS["reference"]),
+    "3.4 mm": (long_pin, replace(PRESETS["fine"], contact_tolerance=0.01)),
+}
+"""Entries of a pin of a number, and the fidelity that it is compared with, by length."""
+
+
+def rise(scene, fidelity, load, velocity):
+    """Rise Θ₁₀ [K] of a scene with a fidelity, and its last state."""
+    *_, state = simulate(replace(scene, fidelity=fidelity), load, velocity)
+    return decisive(state.heat), state
+
+
+def computed(task):
+    """Row of the file of a pin: velocity errors of the presets, exponent and warnings."""
+    kind, number = task
+    began, (entries_of, truth) = time.process_time(), KINDS[kind]
+    entries, load, velocity = entries_of(number)
+    row = {"name": f"{kind}, {number}", "load": load, "velocity": velocity, "commit": commit()}
+    try:
+        scene = pipeline.load_scene("whole_pin", "standard", entries).scene
+        results = [rise(scene, PRESETS[name], load, velocity) for name in JUDGED]
+        rises, states = zip(*results, strict=True)
+        faster, _ = rise(scene, PRESETS["standard"], load, velocity * np.exp(_STEP))
+        exponent = float(np.log(faster / rises[0]) / _STEP)
+        true, _ = rise(scene, truth, load, velocity)
+        row["errors"] = (-np.log(np.array(rises) / true) / max(exponent, SLOWEST)).tolist()
+        row |= {"exponent": exponent, "warnings": _labels(scene, states)}
+    except TriboError as error:
+        row["failed"] = str(error)
+    return row | {"seconds": time.process_time() - began}
+
+
+def _labels(scene, states):
+    fidelities = (PRESETS[name] for name in JUDGED)
+    kinds = [
+        warning.kind.label
+        for fidelity, state in zip(fidelities, states, strict=True)
+        for warning in warnings(replace(scene, fidelity=fidelity), state)
+    ]
+    return sorted({*kinds})
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m tests.promises.pins", description=__doc__)
+    parser.add_argument("--short", type=int, default=10, help="pins of 1 mm")
+    parser.add_argument("--long", type=int, default=3, help="pins of 3.4 mm")
+    parser.add_argument("--minutes", type=float, default=120.0, help="begin no pin later")
+    options = parser.parse_args()
+    counts = {"1 mm": options.short, "3.4 mm": options.long}
+    tasks = [(kind, number) for kind, count in counts.items() for number in range(count)]
+    done = {row["name"] for row in read(FILE)}
+    missing = [task for task in tasks if f"{task[0]}, {task[1]}" not in done]
+    compute(computed, missing, FILE, options.minutes)
+    names = {f"{kind}, {number}" for kind, number in tasks}
+    rows = [row for row in read(FILE) if row["name"] in names and "failed" not in row]
+    lines = [
+        (
+            row["name"], f"{row['load']:.0f}", f"{row['velocity']:.2f}",
+            *(f"{100 * error:+.2f}" for error in row["errors"]),
+            f"{row['exponent']:.2f}", ", ".join(row["warnings"]),
+        )
+        for row in rows
+    ]  # fmt: skip
+    largest = np.abs([row["errors"] for row in rows]).max(axis=0)
+    bounds = [PRESET_BOUNDS[name] for name in JUDGED]
+    statement = ", ".join(
+        f"`{name}` {error:.2%} of {bound:.2%}"
+        for name, error, bound in zip(JUDGED, largest, bounds, strict=True)
+    )
+    text = f"{table(HEADS, lines)}\n\nlargest errors of {len(rows)} pins: {statement}"
+    return conclude("pins", text, bool((largest <= bounds).all()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
