@@ -65,36 +65,32 @@ def line_limits(
     line_keys = np.stack([across, points.friction, points.bulk_temperature])
     _, first, line = np.unique(line_keys, axis=1, return_index=True, return_inverse=True)
     lines, line = points.take(first), line.ravel()
-    codes = _codes(model, axis, lines, nodes)[line]
-    limits = list[Limits]()
+    codes, brackets = _codes(model, axis, lines, nodes)[line], []
     for kind in kinds:
         order = -1 if kind == SEVERE else 1  # from the highest value downwards for severe wear
-        brackets = _brackets(nodes[::order], codes[:, ::order], positions, verdicts, kind)
-        limits.append(_between(model, axis, kind, lines, line, *brackets))
-    return limits
-
-
-def _between(
-    model: VerdictModel,
-    axis: str,
-    kind: int,
-    lines: QueryPoints,
-    line: Indices,
-    lower: Array,
-    upper: Array,
-    sides: Indices,
-) -> Limits:
-    """Limits of a kind at k points, each on its `line`, between the neighbours of `_brackets`."""
+        brackets.append(_brackets(nodes[::order], codes[:, ::order], positions, verdicts, kind))
+    lower, upper, sides = (np.concatenate(arrays) for arrays in zip(*brackets, strict=True))
     values, is_inside = np.full(lower.shape, np.nan), sides == Side.INSIDE
     if is_inside.any():
-        keys = np.stack([line, lower, upper])[:, is_inside]
-        brackets, inverse = np.unique(keys, axis=1, return_inverse=True)
-        line_points = lines.take(brackets[0].astype(int))
-        limits = _bisect(model, axis, kind, line_points, brackets[1], brackets[2])
-        values[is_inside] = _rounded(limits, brackets[1], kind)[inverse.ravel()]
+        rows = np.repeat(kinds, len(line)), np.tile(line, len(kinds)), lower, upper
+        keys, inverse = np.unique(np.stack(rows)[:, is_inside], axis=1, return_inverse=True)
+        kind_of_key, line_of_key, inside, beyond = keys
+        key_lines = lines.take(line_of_key.astype(int))
+        limits = _bisect(model, axis, kind_of_key, key_lines, inside, beyond)
+        values[is_inside] = _rounded(limits, inside, kind_of_key)[inverse.ravel()]
+    return [
+        Limits(limits, _sides(kind, sides_of_kind))
+        for kind, limits, sides_of_kind in zip(
+            kinds, np.split(values, len(kinds)), np.split(sides, len(kinds)), strict=True
+        )
+    ]
+
+
+def _sides(kind: int, sides: Indices) -> Indices:
+    """Sides as seen towards higher values, from those as seen along the line of a `kind`."""
     if kind == SEVERE:
         sides = np.choose(sides, [Side.INSIDE, Side.BELOW, Side.ABOVE, *_NOWHERE])
-    return Limits(values, sides.astype(np.int8))
+    return sides.astype(np.int8)
 
 
 def dense_values(simulated: Array) -> Array:
@@ -211,7 +207,12 @@ def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -
 
 
 def _bisect(
-    model: VerdictModel, axis: str, verdict: int, lines: QueryPoints, last: Array, edge: Array
+    model: VerdictModel,
+    axis: str,
+    verdict: int | Array,
+    lines: QueryPoints,
+    last: Array,
+    edge: Array,
 ) -> Array:
     """Last values (k,) with `verdict` on lines, between those with it and those without it."""
     for _ in range(_BISECTIONS):
@@ -221,11 +222,11 @@ def _bisect(
     return last
 
 
-def _rounded(limits: Array, inside: Array, verdict: int) -> Array:
+def _rounded(limits: Array, inside: Array, verdict: int | Array) -> Array:
     """Limits (k,) rounded to `_DIGITS` towards values `inside` of them, but no farther."""
-    if verdict == MILD:
-        return np.asarray(np.maximum(round_to(np.floor, limits), inside))
-    return np.asarray(np.minimum(round_to(np.ceil, limits), inside))
+    lowered = np.maximum(round_to(np.floor, limits), inside)
+    raised = np.minimum(round_to(np.ceil, limits), inside)
+    return np.where(np.equal(verdict, MILD), lowered, raised)
 
 
 def round_to(side: Callable[[Array], Array], limits: Array) -> Array:
