@@ -240,6 +240,12 @@ def test_a_ball_has_the_film_of_a_point_contact(sweep):
     assert film.film_thickness(50.0, 2.0, 298.15) / slow == pytest.approx(2**0.68)
 
 
+def test_the_thinnest_oil_has_its_two_viscosities():
+    oil = tribo.Oil((1e-6, 0.31e-6), 866.0, 20e-9)
+    for temperature, viscosity in zip((313.15, 373.15), oil.viscosities, strict=True):
+        assert oil.viscosity(temperature) == pytest.approx(866.0 * viscosity, rel=1e-9)
+
+
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0])
 def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
     """Hamrock and Dowson's ellipticity k = 1.03 (R_y/R_x)^0.64 approximates that of Hertz."""
