@@ -30,7 +30,7 @@ REFUSALS = {
     "number": (entry("materials.steel.poisson_ratio", 0.6), "0.6 is outside the allowed range"),
     "no number": (entry("materials.steel.poisson_ratio", "0.3"), '"0.3" is not a number'),
     "large": (entry("disk.roughness.seed", 2**63), "which is 0 to 9.22337e+18"),
-    "no unit": (lambda: LOAD.value(400.0), "400.0 has no unit; give a load above 0, such as"),
+    "no unit": (lambda: LOAD.value(400.0), "400.0 has no unit"),
     "zero": (lambda: SPEED.value("0 m/s"), '"0 m/s" is outside the allowed range'),
     "far": (lambda: BULK.argument("bulk", 25), '"25 K" is outside the allowed range, which is -53'),
     "in SI": (lambda: BULK.argument("bulk", "25 C"), ', such as "25 degC", or a number in K'),
@@ -42,7 +42,7 @@ REFUSALS = {
 }  # fmt: skip
 
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
-    "kinds.py", REFUSALS, {"kinds._value NotImplementedError"}
+    "kinds.py", REFUSALS
 )
 
 
