@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import Any, Literal
 
@@ -29,7 +29,7 @@ from pipeline.sweep import plan
 from pipeline.sweep.case_table import SEED_ENTRY
 from pipeline.sweep.notes import SceneNote, SceneWarning
 from pipeline.sweep.plan import choose_stored_steps
-from pipeline.sweep.sweep import Point, Sweep
+from pipeline.sweep.sweep import TABLE_OF_PART, Point, Sweep
 
 _MAX_LEVELS = 10  # tables in tables
 PresetName = Literal["standard", "fine", "reference"]
@@ -107,11 +107,16 @@ def _overridden(document: Document, overrides: Mapping[str, Any], faults: Faults
 
 @dataclass(frozen=True)
 class Source:
-    """Entries of a scene file, merged; a sweep is read from them again when an entry changes."""
+    """Entries of a scene file, merged; a sweep is read from them again when an entry changes.
+
+    `user_parts` and `conditions` replace what was read, as in `Sweep.with_scene` and `Sweep.judge`.
+    """
 
     name: str
     entries: Entries
     files: Files
+    user_parts: Mapping[str, Any] = field(default_factory=dict)
+    conditions: Mapping[str, Any] = field(default_factory=dict)
 
     def read(self, faults: Faults) -> Sweep | None:
         """Read the sweep; None if an entry is faulty, with all faults added to `faults`.
@@ -159,12 +164,17 @@ class Source:
         """The sweep with another value of an entry; `InputError` for the first fault."""
         if path.count(".") >= _MAX_LEVELS:
             raise tribo.InputError(f"{path[:80]}: no entry has more than {_MAX_LEVELS} parts")
+        for table in (TABLE_OF_PART[name] for name in self.user_parts):
+            if f"{path}.".startswith(f"{table}."):
+                raise tribo.InputError(
+                    f"{path} has no effect, since with_scene has replaced {table}"
+                )
         values = {path: plain_value(path, value)}
         source = replace(self, entries=replace_values(self.entries, values))
         sweep = source.read(faults := Faults())
         if faults or sweep is None:
             raise tribo.InputError(f"{faults[0].key}: {faults[0].problem}")
-        return sweep
+        return sweep.with_scene(**self.user_parts).judge(self.conditions)
 
     def warnings(self, sweep: Sweep) -> tuple[SceneWarning, ...]:
         """Warnings of probable mistakes in a sweep of this scene."""

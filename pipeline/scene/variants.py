@@ -116,8 +116,8 @@ def _changed_inputs(
     """Yield the inputs of one case, each with the cases in which it is changed."""
     base = build(entries, sweep.source.files, Faults())
     assert base
-    replaced_tables = [f"{TABLE_OF_PART[name]}." for name in sweep.user_parts]
-    parts = {name: getattr(case.scene, name) for name in sweep.user_parts}
+    replaced_tables = [f"{TABLE_OF_PART[name]}." for name in sweep.source.user_parts]
+    parts = {name: getattr(case.scene, name) for name in sweep.source.user_parts}
     for path, entry in inputs_of(base.tables).items():
         if path.startswith((*replaced_tables,)):
             if requested and path in requested:

@@ -103,14 +103,10 @@ class Sweep:
     warnings: tuple[SceneWarning, ...] = ()  # found on reading; from a store, all warnings
     sources: tuple[FromLibrary, ...] = ()
     stored_steps: StoredSteps | None = None  # of an existing store; None to choose them
-    # Arguments of `with_scene`, by name.
-    user_parts: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
-    # Conditions replaced by `judge`, by name.
-    replaced_conditions: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
     text: str = field(default="", repr=False, metadata=NOT_STORED)
     # How entries were read.
     notes: tuple[SceneNote, ...] = field(default=(), metadata=NOT_STORED)
-    # Tables of the scene file; None from a store.
+    # The scene file, with what `with_scene` and `judge` replaced; None from a store.
     source: Any = field(default=None, repr=False, metadata=NOT_STORED)
 
     def __post_init__(self) -> None:
@@ -256,11 +252,8 @@ class Sweep:
                 f"{path} cannot be changed in the sweep of a store, which has no scene file; read "
                 "the scene with another value: pipeline.load_scene(..., overrides={...})"
             )
-        for table in (TABLE_OF_PART[name] for name in self.user_parts):
-            if f"{path}.".startswith(f"{table}."):
-                raise InputError(f"{path} has no effect, since with_scene has replaced {table}")
         sweep: Self = self.source.changed(path, value)
-        return sweep.with_scene(**self.user_parts).judge(self.replaced_conditions)
+        return sweep
 
     def with_scene(self, *, wear: WearLaw | None = None, roughness: Surface | None = None) -> Self:
         """The sweep with a wear law or a surface of your own class, in all cases and tests.
@@ -294,9 +287,10 @@ class Sweep:
         notes = [
             f"# {TABLE_OF_PART[name]} is replaced by {part!r}\n" for name, part in stored.items()
         ]
-        text, user_parts = "".join([*notes, self.text]), {**self.user_parts, **parts}
         sweep = self._map_cases(lambda case: replace(case, scene=replace(case.scene, **stored)))
-        return replace(sweep, text=text, user_parts=user_parts)
+        if source := self.source:
+            source = replace(source, user_parts={**source.user_parts, **parts})
+        return replace(sweep, text="".join([*notes, self.text]), source=source)
 
     def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
         """The sweep with other numerical choices of all cases; `preset` is their name, or None."""
@@ -332,8 +326,9 @@ class Sweep:
             replace(case, conditions=replace(case.conditions, **changes))
             for case in (self.base, *self.cases)
         )
-        replaced_conditions = {**self.replaced_conditions, **changes}
-        return replace(self, base=base, cases=tuple(cases), replaced_conditions=replaced_conditions)
+        if source := self.source:
+            source = replace(source, conditions={**source.conditions, **changes})
+        return replace(self, base=base, cases=tuple(cases), source=source)
 
     def take_surface(self, seed: int | None) -> Self:
         """The sweep without cases, on the random surface of a seed; unchanged for None."""
