@@ -20,6 +20,7 @@ from pipeline.answers.condition_values import (
     argument_array,
     arguments_of_case,
     condition_arrays,
+    oil_of,
     replace_conditions,
 )
 from pipeline.answers.error import PARTS, total
@@ -226,8 +227,7 @@ def _evaluate(
     )
     indices_of_oil, computed = dict[Any, list[int]](), dict[str, Any]()
     for k, c in enumerate(conditions):
-        oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
-        indices_of_oil.setdefault(oil, []).append(k)
+        indices_of_oil.setdefault(oil_of(c), []).append(k)
     models = [verdict_model(case, conditions[k]) for k, *_ in indices_of_oil.values()]
     for model, indices in zip(models, indices_of_oil.values(), strict=True):
         for batch in np.array_split(indices, -(-len(indices) // _BATCH_SIZE)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any, NamedTuple, TypedDict
 
 import numpy as np
@@ -51,6 +51,12 @@ class QueryPoints(NamedTuple):
     def take(self, index: Any) -> QueryPoints:
         """Points selected by `index`, which may be a mask."""
         return QueryPoints(*(column[index] for column in self))
+
+
+def oil_of(conditions: Conditions) -> tuple[Any, ...]:
+    """Values of all conditions but those that points replace: equal for the points of one oil."""
+    names = (field.name for field in fields(conditions))
+    return tuple(getattr(conditions, name) for name in names if name not in QueryPoints._fields)
 
 
 def override_conditions(conditions: Conditions, overrides: Mapping[str, Any]) -> Conditions:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.condition_values import QueryPoints, override_conditions
+from pipeline.answers.condition_values import QueryPoints, oil_of, override_conditions
 from pipeline.answers.critical_temperature import evidence_with_critical_temperature
 from pipeline.answers.error import (
     PARTS,
@@ -70,11 +70,12 @@ def verdict_model(case: CaseResults, conditions: Conditions) -> VerdictModel:
     if is_from_tests and not case.sweep.base.critical_from_tests:
         known_critical_temperature(conditions)  # raises
     rise_key = conditions.critical_area_fraction, conditions.corrections
-    oil_key = conditions.critical_temperature, conditions.added_rise_fraction, *rise_key
     specimen = case.cached(("specimen", rise_key), lambda: specimen_of(case, conditions))
     infer = evidence_with_critical_temperature if is_from_tests else evidence_of
     tested = case.without_tests if omission_of_tests(case.sweep, conditions) else case
-    evidence = case.cached(("evidence", oil_key), lambda: infer(tested, specimen, conditions))
+    evidence = case.cached(
+        ("evidence", oil_of(conditions)), lambda: infer(tested, specimen, conditions)
+    )
     if is_from_tests:
         conditions = replace(conditions, critical_temperature=evidence.critical.temperature)
     return VerdictModel(case, conditions, specimen, evidence)
