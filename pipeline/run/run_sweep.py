@@ -189,6 +189,8 @@ def run_planned(
             if larger := with_variants(store):
                 store = enlarged(store, larger)
                 store.leave_out_pending()
+                if source_store:
+                    copy_points(store, source_store)
                 tally.follow(store)
                 for tests in store.groups[1:]:
                     cluster.compute(tests, tally)

@@ -14,6 +14,7 @@ import tribo
 from pipeline.answers.point_text import to_decide
 from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
 from pipeline.run.boundary_variants import missing_variants
+from pipeline.store.store import opened
 
 SMALL = {
     "without": ["tests"],
@@ -275,6 +276,16 @@ def test_a_store_with_further_loads_has_points_at_the_highest_as_check_counts(tm
     assert [load_of_point for load_of_point, _ in points_of_variants(out)] == [200, 400, 750]
     assert pipeline.run_sweep(sweep, out, workers=1).computed == 0
     assert pipeline.summary(out).tests.done == 15
+
+
+def test_points_of_uncertain_inputs_are_copied_from_another_store(uncertain, tmp_path):
+    sweep, out = load(**{CONDUCTIVITY: "15 %", WEAR: "30 %"}), tmp_path / "copy.zarr"
+    pipeline.run_sweep(sweep, out, workers=1, source=uncertain)
+    times, copied_times = (
+        opened(path).groups[1].read("wall_time", ...).tolist() for path in (uncertain, out)
+    )
+    assert len(copied_times) == 21
+    assert {*copied_times} <= {*times}
 
 
 def test_large_uncertainties_are_warned_of():
