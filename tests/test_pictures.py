@@ -17,6 +17,8 @@ ROOT = Path(__file__).parents[1]
 PICTURES = sorted(WORKFLOWS.glob("*.png"))
 _RUN = re.compile(r"[^\W\d_]+(?: [^\W\d_]+)*")
 """Words between numbers and signs, of which a text of a figure is made."""
+_TICK = r"\mathdefault"
+"""How Matplotlib writes the number of a tick."""
 
 
 def carried(path):
@@ -57,7 +59,8 @@ def is_of_today(run):
 
 def strange_phrases(description):
     """Runs of words of a picture's texts that nothing of today writes."""
-    runs = {run for line in description.splitlines() for run in _RUN.findall(line)}
+    lines = description.replace(_TICK, "").splitlines()
+    runs = {run for line in lines for run in _RUN.findall(line)}
     return sorted(run for run in runs if not is_of_today(run))
 
 
