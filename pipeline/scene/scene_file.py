@@ -62,6 +62,8 @@ def load_scene(
     ------
     SceneFileError
         If there is any fault in the file or the arguments; the error carries all faults.
+    InputError
+        If `preset` is no text.
 
     Examples
     --------
@@ -71,6 +73,10 @@ def load_scene(
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
     path, faults, preset = scene_path(path), Faults(), plain_value("preset", preset)
+    if isinstance(preset, Mapping):
+        raise tribo.InputError(
+            "preset: a mapping is not text; entries of a scene go into overrides="
+        )
     settings = {} if preset is None else {"fidelity.preset": preset}
     try:
         document = _overridden(read_document(path), {**settings, **(overrides or {})}, faults)

@@ -30,7 +30,7 @@ def drawn(monkeypatch):
         ([], None, "a/out_diagram.png", {}),
         (["--log", "--width", "8.5 cm", "--plain", "-o", "x.pdf"], None, "x.pdf",
          {"log": True, "width": 0.085, "plain": True}),
-        (["--kind", "tests", "--friction", "0.1"], "tests", "a/out_tests.png", {"friction": 0.1}),
+        (["--kind", "tests", "--friction", "0.1"], "tests", "a/out_tests.png", {"friction": "0.1"}),
         (["--load", "400 N", "--velocity", "2 m/s", "--dpi", "100"], None, "a/out_diagram.png",
          {"load": [400.0], "velocity": [2.0], "dpi": 100}),
     ],

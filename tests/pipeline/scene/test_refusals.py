@@ -225,8 +225,9 @@ ENTRIES = {
     "falling band": (entry("friction.band", [0.2, 0.1]), "falls; give the lower first"),
     "null": (entry("title", "a\0"), "has a line break or a control character"),
     "no title": (entry("title", ""), "the text is empty"),
-    "materials": (entry("materials", 3),
-                  "give at least one table under a name of your choice, each a table"),
+    "materials": (entry("materials", 3), "3 is not a table of tables"),
+    "entries as a preset": (lambda: load_scene("first_try", {"pin.radius": "3 mm"}),
+                            "entries of a scene go into overrides="),
     "pin": (entry("pin", 3), "3 is not a table; expected a table with"),
     "key": (entry("realisations", 3), 'realisations: unknown key (did you mean "sweep.real'),
     "seeds": (entry("sweep.realizations", [3, 3]), "sweep.realizations[1]: 3 repeats entry [0]"),
@@ -247,6 +248,7 @@ ENTRIES = {
     "no input": (uncertain("pin.radios", "5 %"), 'is no input of the scene (did you mean "pin.rad'),
     "zero deviation": (uncertain("pin.radius", "0 %"), '"0 %" is outside the allowed range; giv'),
     "no temperature difference": (uncertain("temperature.bulk", "5 %"), "is not a number with a"),
+    "input twice": (uncertain("pin.radius, pin.radius", "5 %"), "has pin.radius a second time"),
     "several deviations": (uncertain("pin.radius, pin.length", "0.1 mm"), "differs between its"),
     "sensitivity of a store": (
         lambda: variants_of(tiny.sweep(), [(400.0, 2.0, ())]),
@@ -255,6 +257,10 @@ ENTRIES = {
         lambda: variants_of(load_scene("first_try").with_scene(wear=laws.ByPressure()),
                             [(400.0, 2.0, ())], {"wear.specific_wear_rate"}),
         "uncertainty.wear.specific_wear_rate has no effect, since with_scene has replaced wear"),
+    "entry of a part of a user": (
+        lambda: load_scene("first_try").with_scene(wear=laws.ByPressure())
+        .source.changed("wear.specific_wear_rate", 0),
+        "wear.specific_wear_rate has no effect, since with_scene has replaced wear"),
     "input refused on both sides": (
         lambda: variants_of(load_scene("first_try", overrides=TIGHT),
                             [(20.0, 2.0, ())], {"pin.length"}),
