@@ -62,7 +62,7 @@ def require_boundary(sweep: Sweep) -> None:
             if not case.critical_from_tests:
                 known_critical_temperature(case.conditions)
     if reason:
-        raise InputError(f"--accuracy needs a boundary, and there is none: {reason}")
+        raise InputError(f"the sweep has no boundary whose error can be a goal: {reason}")
 
 
 def reason_surface_is_fixed(sweep: Sweep) -> str:
