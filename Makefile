@@ -29,6 +29,7 @@ scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pi
 	    kind=; test $$scene = srv && kind="--kind tests"; \
 	    $(BIN)/irg run $$scene && $(BIN)/irg plot $$scene $$kind --width "14 cm" --dpi 100 --plain \
 	        -o workflows/$$scene.png || exit 1; done
+	$(BIN)/irg trade first_try -j 1 --store results/trade.zarr -o workflows/trade.png
 
 reference: .venv/test ## write the references of scene file, dataset, commands and Python again
 	$(BIN)/python -m tests.sources.reference
