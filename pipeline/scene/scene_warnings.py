@@ -23,19 +23,11 @@ from tribo.simulation.usual_values import USUAL
 Warnings = Iterator[SceneWarning]
 
 
-def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning, ...]:
-    """Warnings of probable mistakes in one case, and of limits of the model, the gravest first.
-
-    `facts` are the numbers of the case from `estimate_contact`.
-    """
-    # Pin and disk may be of one material.
-    return tuple(dict.fromkeys(warning for check in _CHECKS for warning in check(sweep, facts)))
-
-
 def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
     """Warnings of all cases of a sweep, those of values first; each says which cases have it.
 
-    Of many cases a few are checked, evenly spaced; the values of an entry are all checked.
+    Warnings of probable mistakes and of limits of the model are there, the gravest first. Of many
+    cases a few are checked, evenly spaced; the values of an entry are all checked.
     """
     of_columns = [*_unusual_values(sweep)]
     column_paths = {warning.path for warning in of_columns}

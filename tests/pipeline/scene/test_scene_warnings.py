@@ -1,14 +1,16 @@
 """Closed-form estimates of scenes, compared with simulations, and warnings about scenes."""
 
 from dataclasses import replace
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import tribo
 from pipeline import load_scene, run_point
+from pipeline.scene import scene_warnings
 from pipeline.scene.contact_estimate import Span, estimate_contact
-from pipeline.scene.scene_warnings import warnings_of_case
+from pipeline.scene.scene_warnings import warnings_of_all
 from tests.helpers import tiny
 from tests.helpers.entries import bare_test, changed
 from tests.helpers.scenes import SCENE, STEEL
@@ -93,8 +95,9 @@ SOURCE = load_scene("first_try").source
 
 def warning_texts(sweep, **facts):
     named_sweep = replace(sweep, source=SOURCE)
-    scene_warnings = warnings_of_case(named_sweep, replace(estimate_contact(sweep), **facts))
-    return [warning.text for warning in scene_warnings]
+    estimate = replace(estimate_contact(sweep), **facts)
+    with mock.patch.object(scene_warnings, "estimate_contact", return_value=estimate):
+        return [warning.text for warning in warnings_of_all(named_sweep)]
 
 
 def surface(**changes):
@@ -131,10 +134,9 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
             entry = [f"{higher!r} {unit}", f"{lower!r} {unit}"]
         scene = load_scene("first_try", overrides={**other_entries, path: entry})
         key = path.rpartition(".")[2]
-        scene_warnings = *scene.warnings, *warnings_of_case(scene, estimate_contact(scene))
         unusual = (
             warning.path.split("[")[0]
-            for warning in scene_warnings
+            for warning in warnings_of_all(scene)
             if "is unusual" in warning.words
         )
         return any(warning_place.endswith(key) for warning_place in unusual)
