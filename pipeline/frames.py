@@ -29,12 +29,17 @@ def frame_of(headings: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataF
     units = [_split_heading(heading)[1] for heading in headings]
     converted = [
         tuple(
-            in_unit(value, unit) if unit and _is_number(value) else value
+            _in_unit(value, unit) if unit and _is_number(value) else value
             for value, unit in zip(row, units, strict=True)
         )
         for row in rows
     ]
     return pd.DataFrame(converted, columns=pd.Index(headings))
+
+
+def _in_unit(value: float, unit: str) -> float:
+    """The value in a unit, with 15 digits: 0.116 is 11.6 %, not 11.600000000000001."""
+    return float(f"{in_unit(value, unit):.15g}")
 
 
 def without_columns(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:

@@ -128,6 +128,8 @@ def test_the_command_prints_the_changes_and_says_what_they_mean(study, study_sto
         "From changes of ± 10 % on one surface. A higher ln(rise ratio) is a hotter contact, and a "
         "lower critical velocity." in text
     )
+    percent = sensitivity_frame(study)["critical velocity [%]"]
+    assert [*percent] == [float(f"{value:.3g}") for value in percent]
 
 
 def test_declared_inputs_are_sorted_by_what_their_deviations_do(study, study_store):
