@@ -151,6 +151,7 @@ SLOWEST = 0.3
 
 # Sampling of the surface
 
+LAY_RATIO = 2.0  # ratio of correlation lengths along x and y from which a surface has a lay
 HOT_SPOT_POWER = 4.0
 """Power of the autocorrelation of heights that is the correlation of hot spots.
 

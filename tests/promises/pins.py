@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.constants import PRESET_BOUNDS
+from pipeline.answers.error import preset_error_of
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.moving_disk import decisive
 from tribo import PRESETS, TriboError, simulate, warnings
@@ -125,7 +125,7 @@ def main():
         for row in rows
     ]  # fmt: skip
     largest = np.abs([row["errors"] for row in rows]).max(axis=0)
-    bounds = [PRESET_BOUNDS[name] for name in JUDGED]
+    bounds = [preset_error_of(pipeline.load_scene("whole_pin", preset=name)) for name in JUDGED]
     statement = ", ".join(
         f"`{name}` {error:.2%} of {bound:.2%}"
         for name, error, bound in zip(JUDGED, largest, bounds, strict=True)

@@ -34,6 +34,7 @@ from tribo import Grid
 LINE = {"window.pixels": [288, 240], "window.pixel_size": ["1.632 um", "1.9 um"]}
 DISCS = {"window.pixels": [720, 160], "window.pixel_size": ["1.632 um", "1.9 um"]}
 BALL = {"window.pixels": [320, 320], "window.pixel_size": ["1.5 um", "1.5 um"], "without": ["oil"]}
+SMALL_BALL = BALL | {"window.pixels": [160, 160], "window.pixel_size": ["2.6 um", "2.6 um"]}
 CROWNED = BALL | {"pin.shape": "crowned", "pin.crown_radius": "12 mm", "pin.radius": "4 mm"}
 CONTRA = DISCS | {"motion.slide_roll_ratio": -5, "window.pixels": [480, 160]}
 CONTRA["without"] = ["oil", "pin.diameter", "pin.width", "disk.diameter", "disk.width"]
@@ -43,6 +44,7 @@ KINDS = {
     "discs": ("twin_disc", DISCS | {"without": ["oil"]}, ("2.5 kN", "7 kN"), "2 m/s"),
     "contra discs": ("twin_disc", CONTRA, ("1 kN", "4 kN"), "2 m/s"),
     "ball": ("ball_on_disk", BALL, ("60 N", "200 N"), "1 m/s"),
+    "small ball": ("ball_on_disk", SMALL_BALL, ("40 N", "150 N"), "1.5 m/s"),
     "crowned": ("ball_on_disk", CROWNED, ("60 N", "200 N"), "1 m/s"),
 }
 """Scene, changed entries, loads and velocity, by kind of contact."""
@@ -65,7 +67,9 @@ SCENES = {
     "contra discs, across 50 µm": {"lengths": (5, 50), "hurst": 0.7},
     "ball": {},
     "ball, across 30 µm": {"lengths": (5, 30)},
+    "small ball, across 45 µm": {"lengths": (6, 45), "ra": 0.15},
     "crowned": {"lengths": (6, 6), "ra": 0.15},
+    "crowned, across 60 µm": {"lengths": (5, 60), "ra": 0.2},
     "crowned, oblique scan": {"lengths": (5, 30), "angle": -40.0, "ra": 0.2},
 }
 """Roughness by scene: Ra and correlation lengths [µm]; of a scan, angle of its grooves to y [°]."""

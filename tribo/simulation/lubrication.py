@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tribo.constants import LAY_RATIO
 from tribo.errors import InputError
 from tribo.material import Oil, contact_modulus
 from tribo.numerics import Grid
@@ -21,7 +22,6 @@ from tribo.types import Array
 
 _MAX_PIXELS = 1_000_000  # of a random surface whose heights are computed only for its summary
 _RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
-_LAY = 2.0  # ratio of correlation lengths from which a surface has a lay
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,8 @@ def _surface_summary(surface: Any, pixels: Grid) -> SurfaceSummary | None:
     lay, is_random = None, isinstance(surface, SelfAffineRoughness)
     if is_random:
         along_x, along_y = surface.correlation_length
-        lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
+        is_along, is_across = along_x >= LAY_RATIO * along_y, along_y >= LAY_RATIO * along_x
+        lay = 0.0 if is_along else 90.0 if is_across else None
         if math.prod(pixels.shape) > _MAX_PIXELS:
             return SurfaceSummary(False, surface.ra, surface.ra * _RQ_OF_RA, lay=lay)
     is_scan = isinstance(surface, MeasuredRoughness)

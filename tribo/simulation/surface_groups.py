@@ -2,8 +2,10 @@
 
 Each group is a sample of the surface. Under a line contact, strips across the whole contact are
 equivalent. Under a ball they are not: the strip in the middle has most of the contact, and eight
-strips erred by factors of 2 to 17. There, square cells of four correlation lengths are assigned to
-the groups in turn. If the disk is also at other positions, the groups are the same at each.
+strips erred by factors of 2 to 17. There, square cells of four correlation lengths (their geometric
+mean along x and y) are assigned to the groups in turn. On a lay such cells are as wide as the
+contact of a small ball, and a single one has much of its heat. The cells of a lay have half the
+side. If the disk is also at other positions, the groups are the same at each.
 """
 
 from __future__ import annotations
@@ -13,12 +15,13 @@ import math
 
 import numpy as np
 
+from tribo.constants import LAY_RATIO
 from tribo.simulation.scene import Scene
 from tribo.surface import SelfAffineRoughness, correlation_lengths
 from tribo.thermal.quantiles import GROUPS
 from tribo.types import Indices
 
-_CELL = 4.0  # side of a cell in correlation lengths
+_CELL, _CELL_OF_LAY = 4.0, 2.0  # side of a cell in correlation lengths
 _NEXT_COLUMN = 3  # groups from a cell to the next one along x; 1 along y
 
 
@@ -29,7 +32,8 @@ def surface_groups(scene: Scene) -> Indices:
     if scene.grid.periodic[1]:
         return np.broadcast_to(np.arange(ny) * GROUPS // ny, (nx, ny))
     lengths = surface_lengths(scene)
-    cell_side = _CELL * math.sqrt(math.prod(lengths))
+    has_lay = max(lengths) >= LAY_RATIO * min(lengths)
+    cell_side = (_CELL_OF_LAY if has_lay else _CELL) * math.sqrt(math.prod(lengths))
     x, y = (
         (np.arange(n) * size / cell_side).astype(int)
         for n, size in zip((nx, ny), spacing, strict=True)

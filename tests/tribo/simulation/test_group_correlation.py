@@ -4,13 +4,26 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
-from tests.helpers.scenes import small_scene
-from tribo import Ball, Grid, MeasuredRoughness, SelfAffineRoughness, Wear, simulate
+from tests.helpers.scenes import STEEL, small_scene
+from tribo import (
+    PRESETS,
+    QUANTILES,
+    Ball,
+    Grid,
+    MeasuredRoughness,
+    Ramp,
+    Scene,
+    SelfAffineRoughness,
+    Wear,
+    simulate,
+)
 from tribo.constants import FREEDOM_OF_CELLS, HOT_SPOT_POWER
-from tribo.simulation import heat, jackknife_quality
+from tribo.simulation import fit_elements, heat, jackknife_quality
 from tribo.simulation.surface_groups import surface_groups
 
+NINE_TENTHS = QUANTILES.index(0.9)
 WINDOWS = {
     "line": Grid((48, 64), (4e-6, 4e-6), (False, True)),
     "ball": Grid((64, 64), (8e-6, 8e-6), (False, False)),
@@ -52,6 +65,33 @@ def test_factor_and_degrees_of_freedom_are_those_of_random_fields(window, length
     if window == "ball":
         freedom = FREEDOM_OF_CELLS
     assert jackknife_quality(scene) == pytest.approx((freedom, factor), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("load", "wear", "realizations"),
+    [(60.0, None, 20), pytest.param(150.0, Wear(1.2e-15), 8, marks=pytest.mark.slow)],
+)
+def test_a_ball_on_a_lay_states_at_most_five_times_how_its_realizations_differ(
+    load, wear, realizations
+):
+    window = Grid((80, 80), (5.2e-6, 5.2e-6), (False, False))
+    ball = Scene(
+        pin=Ball(5e-3, STEEL), disk=STEEL, pixels=window, loading=Ramp(100.0, 200.0), wear=wear,
+        fidelity=PRESETS["standard"],
+    )  # fmt: skip
+    rises, bounds = [], []
+    for seed in range(realizations):
+        ground = SelfAffineRoughness(0.15e-6, 0.8, (6e-6, 45e-6), seed)
+        scene = replace(ball, roughness=ground)
+        *_, state = simulate(scene, load, 1.5)
+        sampling = heat(fit_elements(scene, load), state, 1.5, is_sampled=True).sampling
+        level = stdtrit(sampling["rise_realization_freedom"], 0.975)
+        rises.append(state.heat.rise_quantile[NINE_TENTHS])
+        bounds.append(level * sampling["rise_realization_std"][NINE_TENTHS])
+    levels, bounds = np.log(rises), np.array(bounds)
+    errors = np.abs(levels - levels.mean()) * np.sqrt(realizations / (realizations - 1))
+    assert np.mean(errors <= bounds) >= 0.95
+    assert 0.8 < np.median(bounds) / (1.96 * levels.std(ddof=1)) < 5
 
 
 def test_a_scan_of_a_surface_has_about_the_quality_of_the_surface():
