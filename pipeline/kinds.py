@@ -15,10 +15,9 @@ from typing import Any, ClassVar, NamedTuple
 from pipeline.arguments import plain_value
 from pipeline.faults import Fault, Faults
 from pipeline.messages import did_you_mean, is_unprintable, quoted
-from pipeline.quantities import DIMENSIONS
-from pipeline.sweep.case import OIL_WORKS
+from pipeline.quantities import DIMENSIONS, display
 from pipeline.sweep.notes import unusual_warning
-from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si
+from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si, typeset
 from tribo import InputError
 from tribo.simulation.usual_values import USUAL
 
@@ -51,6 +50,10 @@ class Kind:
     def si_unit(self) -> str:
         """SI unit of numbers; empty for a kind without units."""
         return ""
+
+    def to_text(self, value: float) -> str:
+        """A value in SI as text with its unit, such as "25 °C"."""
+        return display(value, typeset(self.unit)).rstrip()
 
     def value(self, typed: object) -> Any:
         """Value of what is typed in a table or a command; `InputError` if it is wrong."""
@@ -216,6 +219,10 @@ class Share(Number):
 
     words = 'a share such as 0.1 or "10%"'
 
+    def to_text(self, value: float) -> str:
+        """A share in percent."""
+        return display(value, "%")
+
     def _number(self, value: Any) -> float:
         with suppress(InputError):
             value = share_of(value)
@@ -343,23 +350,8 @@ class UnitOfLength(Kind):
 LOAD = Quantity("200 N")
 VELOCITY = Quantity("1.25 m/s", zero=True, usual=USUAL["velocity"].ends)
 SPEED = Quantity("1.25 m/s")
-FRICTION = Share(at_least=0, usual=USUAL["friction"].ends)
-BULK = Quantity("25 degC", usual=USUAL["bulk_temperature"].ends, ends=OIL_WORKS)
-CRITICAL = Quantity(
-    "145 degC", usual=USUAL["critical_temperature"].ends, ends=(OIL_WORKS[0], "1e5 degC")
-)
-AREA_FRACTION = Share(at_least=0, below=1)
-ADDED_RISE = Share(above=-1, usual=USUAL["added_rise_fraction"].ends)
 ACCURACY = Share(above=0, below=1)
 WORKERS = Integer(at_least=1)
-CONDITION_KINDS: dict[str, Kind] = {
-    "friction": FRICTION,
-    "bulk_temperature": BULK,
-    "critical_temperature": CRITICAL,
-    "critical_area_fraction": AREA_FRACTION,
-    "added_rise_fraction": ADDED_RISE,
-}
-"""Kinds of the conditions, by name."""
 POINT_KINDS: dict[str, Kind] = {"load": LOAD, "velocity": SPEED}
 """Kinds of the load and velocity of an operating point."""
 

@@ -48,10 +48,6 @@ _NUMERIC = re.compile(
 _PLAIN_CHARACTERS = str.maketrans("−–\xa0\u202f\u2009", "--   ")
 _NO_VALUE = {"-", "--", "—"}  # after `_PLAIN_CHARACTERS`
 _NUMBER_UNITS = {"-", "–", "—", "−", "1"}
-_PYTHON_UNITS = {
-    "load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K",
-}  # fmt: skip
-"""Units of numbers that are given in Python without one."""
 
 
 class TableError(InputError):
@@ -248,12 +244,14 @@ def read_table(
     decimal: str | None = None,
     ignore: Collection[str] = (),
     names: Mapping[str, str] | None = None,
+    si_units: Mapping[str, str] | None = None,
 ) -> Table:
     """Read a CSV file, or columns by heading such as a data frame.
 
     In CSV cells are divided by the first of tab, semicolon and comma in the headings. `decimal` is
     the decimal mark of its numbers. Columns whose headings are in `ignore` are left out. `names`
-    has other names of columns, by those of their headings.
+    has other names of columns, by those of their headings, and `si_units` the units of numbers that
+    are given in Python without one.
     """
     name, has_commas = "the table", True
     if isinstance(source, str | Path):
@@ -264,7 +262,7 @@ def read_table(
         except OSError as error:
             raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
     else:
-        rows = _rows_of_columns(source)
+        rows = _rows_of_columns(source, si_units or {})
     rows = [(line, row) for line, row in rows if any(cell.strip() for cell in row)]
     if len(rows) < 2:
         raise InputError(f"{name} has no rows below its headings; add one")
@@ -323,7 +321,9 @@ def _filled_length(row: Sequence[str]) -> int:
     return max((k + 1 for k, cell in enumerate(row) if cell.strip()), default=0)
 
 
-def _rows_of_columns(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, list[str]]]:
+def _rows_of_columns(
+    source: Mapping[str, Sequence[Any]], si_units: Mapping[str, str]
+) -> list[tuple[int, list[str]]]:
     """Rows of columns by heading, numbered from 1; headings first."""
     if isinstance(source, pd.DataFrame):
         if index_names := [str(name) for name in source.index.names if name is not None]:
@@ -339,7 +339,8 @@ def _rows_of_columns(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, lis
         if not isinstance(plain_values, list):
             raise InputError(f"column {quoted(heading)} is not a list; give one value for each row")
         column = TableColumn.from_heading(heading)
-        cell_columns.append([_cell_of_value(column, value) for value in plain_values])
+        unit = "" if column.unit else si_units.get(column.name, "")
+        cell_columns.append([_cell_of_value(value, unit) for value in plain_values])
     if len({*map(len, cell_columns)}) > 1:
         counts = ", ".join(
             f"{quoted(heading)} {len(cells)}"
@@ -350,14 +351,12 @@ def _rows_of_columns(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, lis
     return [*enumerate(rows)]
 
 
-def _cell_of_value(column: TableColumn, value: Any) -> str:
-    """Cell of a value of Python; a number under a heading without a unit is in SI."""
+def _cell_of_value(value: Any, unit: str) -> str:
+    """Cell of a value of Python; a number has the `unit`."""
     if value is None or value != value:  # NaN
         return ""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if is_number and not column.unit and column.name in _PYTHON_UNITS:
-        return f"{value!r} {_PYTHON_UNITS[column.name]}"
-    return str(value)
+    return f"{value!r} {unit}" if is_number and unit else str(value)
 
 
 def _rows_of_file(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:

@@ -16,7 +16,6 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.error import PARTS, preset_error_text
 from pipeline.answers.evidence import Evidence
 from pipeline.answers.field import LineOutcome
@@ -32,6 +31,7 @@ from pipeline.answers.specimen import specimen_of
 from pipeline.answers.value_text import join_texts
 from pipeline.answers.verdict_limits import Side
 from pipeline.answers.verdict_model import ORIGINS, VERDICTS, Flag, VerdictModel
+from pipeline.condition_kinds import CONDITIONS
 from pipeline.messages import pluralized
 from pipeline.store.schema import PLANE
 from pipeline.sweep.sweep import BODIES, cold_tracks
@@ -82,14 +82,10 @@ _VARIABLES = {
     "reason": ("", "why the verdict is withheld or unknown"),
     "outcome": ("", "outcome of the test"),
     "loo_probability": ("1", "probability of this outcome, predicted from the other tests"),
-    "friction": ("1", "coefficient of friction"),
-    "bulk_temperature": ("K", "temperature of the bodies far from the contact"),
-    "critical_temperature": ("K", "contact temperature at which the lubricant fails"),
-    "critical_area_fraction": (
-        "1",
-        "fraction of the contact above the critical temperature from which wear is severe",
-    ),
-    "added_rise_fraction": ("1", "relative rise added for effects outside the model"),
+    **{
+        name: (condition.kind.si_unit or "1", condition.meaning)
+        for name, condition in CONDITIONS.items()
+    },
     "load": ("N", "normal load on the pin"),
     "velocity": ("m/s", "sliding velocity"),
 }
@@ -122,7 +118,7 @@ def answer_dataset(
     There is a model for each oil; `varied` has the conditions that vary along dimensions or from
     point to point.
     """
-    axes = {name: getattr(models[0].conditions, name) for name in CONDITION_NAMES} | {**varied}
+    axes = {name: getattr(models[0].conditions, name) for name in CONDITIONS} | {**varied}
     axes |= {name: variables[name] for name in PLANE}
     data = {name: variable for name, variable in variables.items() if name not in axes}
     is_varied = any(len({*array.values.ravel().tolist()}) > 1 for array in varied.values())
@@ -286,7 +282,7 @@ def _notes(model: VerdictModel) -> Iterator[str]:
     """Limits of all answers of a case, in addition to the effects that are not included."""
     sweep = model.case.sweep
     unknown = preset_error_text(sweep) if model.preset_error is None else ""
-    conditions = {name: getattr(model.conditions, name) for name in CONDITION_NAMES}
+    conditions = {name: getattr(model.conditions, name) for name in CONDITIONS}
     yield from unusual_condition_lines(sweep, conditions)
     warnings = warning_lines(sweep, answered=True)
     yield from (model.omitted_tests, sweep.note or "", *warnings)

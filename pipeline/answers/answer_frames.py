@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers.answer_dataset import ATTRIBUTES
-from pipeline.answers.condition_values import CONDITION_NAMES, PAIRS
+from pipeline.answers.condition_values import PAIRS
 from pipeline.answers.scene_wording import usual_unit, value_words
 from pipeline.answers.value_text import (
     code_text,
@@ -22,6 +22,7 @@ from pipeline.answers.value_text import (
     load_factor_texts,
     probability_text,
 )
+from pipeline.condition_kinds import CONDITIONS
 from pipeline.frames import cell_text, frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
@@ -54,7 +55,7 @@ def row_labels(answer: xr.Dataset, row: str) -> list[str]:
 
     `row` is the dimension of the rows.
     """
-    hidden = {*PLANE, *ATTRIBUTES, *CONDITION_NAMES}
+    hidden = {*PLANE, *ATTRIBUTES, *CONDITIONS}
     user_columns = [
         name for name, array in answer.coords.items() if array.dims == (row,) and name not in hidden
     ]
@@ -80,7 +81,7 @@ def answer_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
         str(name) for name, array in answer.coords.items() if array.ndim and name not in dims
     ]
     user_columns = [name for name in _user_columns(answer) if name in (names or coordinates)]
-    user_columns.sort(key=lambda name: name in CONDITION_NAMES)
+    user_columns.sort(key=lambda name: name in CONDITIONS)
     names = names or (*coordinates, *map(str, answer.data_vars))
     axes = [name for name in ("load", "velocity") if name not in dims and name not in names]
     plane_columns = [name for name in axes if {*answer[name].dims} <= {*answer[names[0]].dims}]

@@ -15,7 +15,6 @@ from pipeline.answers.answer_dataset import answer_dataset, join_cases
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import (
     PAIRS,
-    ConditionValues,
     QueryPoints,
     argument_array,
     arguments_of_case,
@@ -39,8 +38,8 @@ from pipeline.answers.verdict_model import (
     VerdictModel,
     verdict_model,
 )
+from pipeline.condition_kinds import ConditionValues, OperatingPoints
 from pipeline.kinds import LOAD, VELOCITY
-from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE

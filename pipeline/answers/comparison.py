@@ -10,12 +10,13 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.answer_dataset import answer_attributes, with_attributes
-from pipeline.answers.condition_values import ConditionValues, override_conditions
+from pipeline.answers.condition_values import override_conditions
 from pipeline.answers.critical_temperature import evidence_with_critical_temperature
 from pipeline.answers.results import cases_of
 from pipeline.answers.scene_wording import model_words
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.verdict_model import verdict_model
+from pipeline.condition_kinds import ConditionValues
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.store.location import PathLike
 from tribo import InputError

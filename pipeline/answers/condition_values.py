@@ -2,36 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
-from typing import Any, NamedTuple, TypedDict
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from pipeline.arguments import plain_value
-from pipeline.kinds import CONDITION_KINDS
+from pipeline.condition_kinds import CONDITIONS
 from pipeline.messages import did_you_mean
-from pipeline.sweep.case import PATHS, Conditions
+from pipeline.sweep.case import Conditions
 from tribo import InputError
 from tribo.types import Array
 
-CONDITION_NAMES = tuple(PATHS)
-"""Conditions that answers take as keywords."""
 PAIRS = "place"
 """Dimension of operating points given as lists, or as a table."""
-ConditionValue = float | str | Sequence[float | str] | np.ndarray[Any, Any] | xr.DataArray
-"""One value in SI or text with its unit, or several values along a new dimension."""
-
-
-class ConditionValues(TypedDict, total=False):
-    """Conditions that replace those of the scene, as keywords of answers."""
-
-    friction: ConditionValue | None
-    bulk_temperature: ConditionValue | None
-    critical_temperature: ConditionValue | None
-    critical_area_fraction: ConditionValue | None
-    added_rise_fraction: ConditionValue | None
 
 
 class QueryPoints(NamedTuple):
@@ -76,11 +62,10 @@ def replace_conditions(conditions: Conditions, values: Mapping[str, Any]) -> Con
 
 def condition_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Conditions as arrays in SI; a list has a dimension with the name of its condition."""
-    if unknown := overrides.keys() - {*CONDITION_NAMES}:
-        hint = did_you_mean(min(unknown), CONDITION_NAMES)
+    if unknown := overrides.keys() - {*CONDITIONS}:
+        hint = did_you_mean(min(unknown), CONDITIONS)
         raise InputError(
-            f"{min(unknown)} is not a condition{hint}; the conditions are "
-            f"{', '.join(CONDITION_NAMES)}"
+            f"{min(unknown)} is not a condition{hint}; the conditions are {', '.join(CONDITIONS)}"
         )
     arrays = dict[str, xr.DataArray]()
     for name, value in overrides.items():
@@ -125,7 +110,7 @@ def _shape_of(name: str, plain: Any) -> tuple[int, ...]:
 
 def _condition(name: str, value: Any) -> float | None:
     """A condition in SI; None, for the value of the scene, remains None."""
-    return None if value is None else float(CONDITION_KINDS[name].argument(name, value))
+    return None if value is None else float(CONDITIONS[name].kind.argument(name, value))
 
 
 def arguments_of_case(

@@ -7,19 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipeline.condition_kinds import CONDITIONS
 from pipeline.quantities import display
 from pipeline.shipped import typed_name
-from pipeline.sweep.case import PATHS, Conditions, known_critical_temperature
+from pipeline.sweep.case import Conditions, known_critical_temperature
 from pipeline.sweep.notes import unusual_warning
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import typeset
 from tribo import SelfAffineRoughness
-from tribo.simulation.usual_values import USUAL
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_DEFAULT_FRACTION = 0.1  # critical area fraction that is not printed
 _DISPLAY_UNITS = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Usual units for columns that the user added, by SI unit."""
 
@@ -39,14 +38,17 @@ def heating_words(conditions: Conditions) -> str:
 def verdict_conditions(conditions: Conditions, from_tests: bool = False) -> str:
     """Friction, bulk and critical temperature of a verdict, as text.
 
-    The critical area fraction follows if it is not 10 %, and corrections if there are any.
+    Other conditions follow if they do not have their defaults, and corrections if there are any.
     """
     critical = display(known_critical_temperature(conditions), "°C", 4 if from_tests else 6)
     parts = [heating_words(conditions), f"critical temperature {critical}"]
     if from_tests:
         parts[-1] = f"critical temperature {critical} (median, from tests)"
-    if conditions.critical_area_fraction != _DEFAULT_FRACTION:
-        parts.append(f"critical area fraction {100 * conditions.critical_area_fraction:g} %")
+    defaults = Conditions(conditions.friction, conditions.bulk_temperature)
+    for name in CONDITIONS:
+        is_above = name in ("critical_temperature", "added_rise_fraction")
+        if not is_above and (value := getattr(conditions, name)) != getattr(defaults, name):
+            parts.append(f"{name.replace('_', ' ')} {CONDITIONS[name].kind.to_text(value)}")
     text = ", ".join(parts)
     return f"{text}; {conditions.corrections.text}" if conditions.corrections else text
 
@@ -89,14 +91,14 @@ def unusual_condition_lines(sweep: Sweep, conditions: Mapping[str, Any]) -> Iter
 
     `conditions` has values or arrays [SI] by name; of an array, the first unusual value is named.
     """
-    for name in [name for name in PATHS if name in USUAL and name in conditions]:
-        usual, scene_value = USUAL[name], getattr(sweep.conditions, name)
-        values = np.ravel(conditions[name]).tolist()
+    for name, (entry, kind, _) in CONDITIONS.items():
+        scene_value = getattr(sweep.conditions, name)
+        values = np.ravel(conditions.get(name, ())).tolist()
         warnings = [
             warning
             for value in values
             if value is not None and value != scene_value
-            for warning in unusual_warning(PATHS[name], value, usual.ends, usual.unit)
+            for warning in unusual_warning(entry, value, kind.usual, kind.unit)
         ]
         if warnings:
             yield f"warning: {warnings[0].text}"

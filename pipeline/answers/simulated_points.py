@@ -11,10 +11,11 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.answer_dataset import answer_attributes, with_attributes
-from pipeline.answers.condition_values import ConditionValues, override_conditions
+from pipeline.answers.condition_values import override_conditions
 from pipeline.answers.results import cases_of, dataset_of, sweeps_of
 from pipeline.answers.scene_wording import named_value
 from pipeline.answers.verdict_model import conditions_of, verdict_model
+from pipeline.condition_kinds import ConditionValues
 from pipeline.store.location import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
 from pipeline.sweep.case import allowable_rise

@@ -164,7 +164,7 @@ class VerdictModel:
     def limits(self, points: QueryPoints) -> Array:
         """ln(allowable rise) of points (k,)."""
         critical = known_critical_temperature(self.conditions)
-        rise_factor = points.friction * (1 + self.conditions.added_rise_fraction)
+        rise_factor = points.friction * self.conditions.outside_factor
         with np.errstate(divide="ignore"):
             return np.asarray(np.log((critical - points.bulk_temperature) / rise_factor))
 
@@ -253,7 +253,7 @@ class VerdictModel:
         flags += is_film_unknown * Flag.FILM_UNKNOWN
         has_no_verdict = is_outside | ~is_known
         low, probability, high = np.where(has_no_verdict, np.nan, probabilities)
-        rise_per_friction = (1 + self.conditions.added_rise_fraction) * np.exp(log_rise)
+        rise_per_friction = self.conditions.outside_factor * np.exp(log_rise)
         temperature_rise = points.friction * rise_per_friction
         temperature = points.bulk_temperature + temperature_rise
         critical = known_critical_temperature(self.conditions)

@@ -11,13 +11,12 @@ import numpy as np
 import pipeline
 from pipeline.answers.scene_wording import value_words
 from pipeline.cli.output import print_note
+from pipeline.condition_kinds import CONDITIONS, OperatingPoints
 from pipeline.messages import did_you_mean
-from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
 from pipeline.quantities import ROUNDING
 from pipeline.store.location import StoreError
 from pipeline.store.schema import PLANE
-from pipeline.sweep.case import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.case_table import CASE, dimension_of
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import to_si
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from pipeline.store.store import Store
 
 _PATH_ENTRIES = ("disk.roughness.file", "loading.file", "sweep.along")
-_CONDITION_OF = {path: name for name, path in PATHS.items()}
+_CONDITION_OF = {condition.entry: name for name, condition in CONDITIONS.items()}
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
@@ -53,10 +52,10 @@ def scene_in(options: argparse.Namespace) -> Sweep:
 
     A critical temperature is left to the answers, as it is not that of the scene and its tests.
     """
-    conditions = {PATHS[name]: value for name, value in conditions_in(options).items()}
+    conditions = {CONDITIONS[name].entry: value for name, value in conditions_in(options).items()}
     if lists := [path for path, value in conditions.items() if isinstance(value, list)]:
         raise InputError(f"{lists[0]} takes a single value here; give it once")
-    conditions.pop(PATHS["critical_temperature"], None)
+    conditions.pop(CONDITIONS["critical_temperature"].entry, None)
     settings = dict[str, Any]()
     for path, value in options.set.items():
         is_path = path in _PATH_ENTRIES and isinstance(value, str)  # relative to the shell's folder
@@ -103,7 +102,7 @@ def stored_tests_of(sweep: Sweep) -> Store | None:
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     """Conditions given as options such as --friction, by name; several values are a list."""
-    option_values = values_in(options, *CONDITION_ENTRIES).items()
+    option_values = values_in(options, *CONDITIONS).items()
     conditions = {name: values[0] if len(values) == 1 else values for name, values in option_values}
     for path, value in getattr(options, "at", {}).items():
         if path in _CONDITION_OF:

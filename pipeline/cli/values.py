@@ -55,9 +55,9 @@ def count(text: str, minimum: int = 1) -> int:
 @_refusing
 def condition(text: str, name: str) -> str:
     """Check the text of a condition, which is read at its use: by a scene, or by answers."""
-    from pipeline.kinds import CONDITION_KINDS
+    from pipeline.condition_kinds import CONDITIONS
 
-    CONDITION_KINDS[name].value(text)
+    CONDITIONS[name].kind.value(text)
     return text
 
 

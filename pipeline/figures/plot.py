@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.answers.condition_values import CONDITION_NAMES, ConditionValues
 from pipeline.answers.results import dataset_of, sweep_of
+from pipeline.condition_kinds import CONDITIONS, ConditionValues
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows_figure import rows
@@ -108,7 +108,7 @@ def plot(
         default_kind = "sensitivities"
         kinds, inputs = {default_kind: draw_sensitivities}, (ds,)
     else:
-        names = [name for name in CONDITION_NAMES if name in kind_options]
+        names = [name for name in CONDITIONS if name in kind_options]
         inputs = dataset_of(ds, without_tests), {name: kind_options.pop(name) for name in names}
         sweep = sweep_of(inputs[0])
         table, scene = sweep.case_table, sweep.meaning_digest

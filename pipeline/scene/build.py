@@ -12,6 +12,7 @@ from typing import Any
 from scipy.fft import next_fast_len
 
 import tribo
+from pipeline.condition_kinds import CONDITIONS
 from pipeline.constants import BIAS_WITHOUT_INPUTS
 from pipeline.faults import Faults
 from pipeline.paths import user_path
@@ -39,7 +40,7 @@ from pipeline.scene.table_kinds import Declared, TableKind
 from pipeline.surface.mean_spacing import correlation_lengths
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
-from pipeline.sweep.case import PATHS, Case, Conditions
+from pipeline.sweep.case import Case, Conditions
 from pipeline.sweep.case_table import AREAS_ENTRY
 from pipeline.sweep.notes import FromLibrary
 from pipeline.table import read_table
@@ -327,7 +328,7 @@ def oil_of(table: OilTable) -> tribo.Oil:
 
 def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
     """Conditions by which the points of a scene are judged."""
-    values = {name: entry_at(tables, path) for name, path in PATHS.items()}
+    values = {name: entry_at(tables, entry) for name, (entry, *_) in CONDITIONS.items()}
     values["corrections"] = corrections_of(tables, scene)
     if math.isnan(values["critical_temperature"] or 0.0):  # from tests
         values["critical_temperature"] = None

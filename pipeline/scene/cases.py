@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+from pipeline.condition_kinds import CONDITIONS
 from pipeline.faults import Faults
 from pipeline.kinds import LOAD, POINT_KINDS, SPEED, faults_in
 from pipeline.limits import MAX_CASES, MAX_ON_AXIS, MAX_VARIED_ENTRIES
@@ -19,7 +20,7 @@ from pipeline.scene.build import BuiltScene, Files, build_case, realizations_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.format import LOAD_FACTORS, TableFile, number_at, scene_entries
 from pipeline.scene.table_kinds import TableKind
-from pipeline.sweep.case import CONDITION_ENTRIES, Case
+from pipeline.sweep.case import Case
 from pipeline.sweep.case_table import (
     AREAS_ENTRY,
     CASE,
@@ -37,6 +38,7 @@ from pipeline.table import Table, TableColumn, read_table
 from pipeline.units import UnitError, si_unit, to_si
 from tribo import InputError, SelfAffineRoughness
 
+_ENTRIES = {name: condition.entry for name, condition in CONDITIONS.items()}
 _UNVARIED_TABLES = ("sweep", "title", "note", "extends", "without", "tests", "uncertainty")
 """Entries and tables that cannot take several values."""
 
@@ -109,7 +111,7 @@ def _rows_along(along: Any, files: Files, faults: Faults) -> list[dict[str, Any]
         if file_faults:
             return []
         path = files.path("sweep.along", declared.file)
-        table = read_table(path, MAX_ON_AXIS, declared.decimal, declared.ignore, CONDITION_ENTRIES)
+        table = read_table(path, MAX_ON_AXIS, declared.decimal, declared.ignore, _ENTRIES)
     entries = [path for path in scene_entries() if path.partition(".")[0] not in _UNVARIED_TABLES]
     paths = [column.name for column in table.columns if "." in column.name]
     known = [*POINT_KINDS, *paths, *entries]
@@ -129,9 +131,7 @@ def _table_of_scene(rows: list[dict[str, Any]]) -> Table:
             f"rows have {len(names)} different entries; give {MAX_VARIED_ENTRIES} at most"
         )
     columns = [
-        TableColumn(
-            name, CONDITION_ENTRIES.get(name, name), "", [str(row.get(name, "")) for row in rows]
-        )
+        TableColumn(name, _ENTRIES.get(name, name), "", [str(row.get(name, "")) for row in rows])
         for name in names
     ]
     return Table("the rows", columns, range(1, len(rows) + 1))

@@ -9,12 +9,8 @@ from dataclasses import replace
 from typing import Any, get_args, get_type_hints
 
 import tribo
+from pipeline.condition_kinds import BULK, CONDITIONS, CRITICAL, FRICTION
 from pipeline.kinds import (
-    ADDED_RISE,
-    AREA_FRACTION,
-    BULK,
-    CRITICAL,
-    FRICTION,
     LOAD,
     VELOCITY,
     Flag,
@@ -271,7 +267,7 @@ class Temperature(Declared):
     critical: float | None = entry(replace(CRITICAL, from_tests=True),
         "Contact temperature above which the lubricant fails; needed for verdicts. "
         '"from tests": each answer computes it from the tests of the scene.', None)
-    critical_area_fraction: float = entry(AREA_FRACTION,
+    critical_area_fraction: float = entry(CONDITIONS["critical_area_fraction"].kind,
         "Wear is severe if a larger fraction of the contact is above the critical temperature; "
         "with 0 the highest temperature governs.", 0.1)
     includes_earlier_revolutions: bool = entry(Flag(),
@@ -286,7 +282,7 @@ class Model(Declared):
     scatter: float = entry(Share(at_least=1e-3, below=1),
         "Scatter between specimens; the default counts as much as four tests of yours.",
         default=0.055)
-    rise: float = entry(ADDED_RISE,
+    rise: float = entry(CONDITIONS["added_rise_fraction"].kind,
         "Known heating outside the model, such as of a pin holder, a surface film or a "
         'reciprocating contact: "+6 %" multiplies the rise by 1.06.', default=0.0)
 

@@ -8,8 +8,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from pipeline.condition_kinds import CONDITIONS
 from pipeline.messages import quoted
-from pipeline.sweep.case import PATHS, Variant
+from pipeline.sweep.case import Variant
 from pipeline.sweep.case_table import in_order
 from pipeline.sweep.codec import differences, encode
 from pipeline.sweep.plan import choose_stored_steps
@@ -20,7 +21,8 @@ from tribo import InputError
 _ENTRIES = {
     "pixels.shape": "window.pixels", "pixels.spacing": "window.pixel_size",
     "roughness": "disk.roughness", "pin.material": "material of the pin",
-    "disk": "material of the disk", **PATHS,
+    "disk": "material of the disk",
+    **{name: condition.entry for name, condition in CONDITIONS.items()},
 }  # fmt: skip
 """Entries of the scene file by the beginning of an object's path, if they differ."""
 

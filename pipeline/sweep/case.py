@@ -27,18 +27,6 @@ LARGEST = 1e15
 """Load [N] or velocity [m/s] at most; scenes have smaller ones."""
 TEST = "test"
 """Dimension that numbers the tests of a scene in the names of their cases."""
-OIL_WORKS = "-53 degC", "627 degC"
-"""Bulk temperatures between which an oil may work."""
-PATHS = {
-    "friction": "friction.coefficient",
-    "bulk_temperature": "temperature.bulk",
-    "critical_temperature": "temperature.critical",
-    "critical_area_fraction": "temperature.critical_area_fraction",
-    "added_rise_fraction": "model.rise",
-}
-"""Entries of the scene file that act after the simulation, by the conditions' names."""
-CONDITION_ENTRIES = {name: path for name, path in PATHS.items() if name != "added_rise_fraction"}
-"""Conditions that rows of tables may set, and their entries in a scene."""
 OF_TESTS = "friction", "bulk_temperature", "corrections"
 """Conditions that each test sets; all others are those of the oil."""
 

@@ -10,8 +10,8 @@ import pytest
 
 import tribo
 from pipeline import load_scene
+from pipeline.condition_kinds import OperatingPoints
 from pipeline.frames import write_frames
-from pipeline.operating_points import OperatingPoints
 from pipeline.surface.scan import read_scan
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from pipeline import load_scene, run_point
 from pipeline.cli import main
-from pipeline.kinds import BULK, FRICTION, LOAD, SPEED, WORKERS
-from pipeline.operating_points import OperatingPoints
+from pipeline.condition_kinds import BULK, FRICTION, OperatingPoints
+from pipeline.kinds import LOAD, SPEED, WORKERS
 from tests.helpers.refusals import refusal_tests
 from tribo import TriboError
 

@@ -88,7 +88,12 @@ class Conditions:
     @property
     def rise_factor(self) -> float:
         """Factor by which a rise per unit friction is multiplied: µ (1 + `added_rise_fraction`)."""
-        return self.friction * (1 + self.added_rise_fraction)
+        return self.friction * self.outside_factor
+
+    @property
+    def outside_factor(self) -> float:
+        """Factor by which effects outside the model multiply a rise."""
+        return 1 + self.added_rise_fraction
 
     def governing_rise(self, columns: Mapping[str, Any]) -> Any:
         """Rise exceeded on the critical area fraction of the contact [K], (...).

@@ -7,7 +7,7 @@ import pytest
 
 import pipeline
 from pipeline.answers.answer_frames import complete_frame
-from pipeline.operating_points import OperatingPoints
+from pipeline.condition_kinds import OperatingPoints
 from tribo import InputError
 
 LOADS, VELOCITIES = [300.0, 1500.5], [1.25, 2.5]

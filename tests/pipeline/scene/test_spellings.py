@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pipeline import load_scene, to_si
-from pipeline.kinds import BULK, FRICTION, LOAD
-from pipeline.operating_points import OperatingPoints
+from pipeline.condition_kinds import BULK, FRICTION, OperatingPoints
+from pipeline.kinds import LOAD
 from pipeline.surface.scan import read_scan
 from pipeline.table import TableColumn
 from tribo import InputError, TriboError

@@ -2,8 +2,8 @@
 
 import pytest
 
+from pipeline.condition_kinds import OperatingPoints
 from pipeline.faults import Faults
-from pipeline.operating_points import OperatingPoints
 from pipeline.scene import format as scene_format
 from pipeline.scene.table_kinds import TableKind
 from pipeline.table import read_table
@@ -100,7 +100,7 @@ def test_columns_without_a_meaning_are_named_once(tmp_path):
 
 
 def test_a_column_that_is_no_entry_of_a_test_has_words_or_is_refused():
-    table = {"load": [300.0], "velocity": [1.5], "outcome": ["mild"], "remark": [2.5]}
+    table = {"load [N]": [300.0], "velocity [m/s]": [1.5], "outcome": ["mild"], "remark": [2.5]}
     with pytest.raises(InputError, match=r'"remark" has numbers .*; rename it to one of velocity'):
         read_table(table, 9).rows(TEST.keys, faults_in)
     for number in ("−3", "\xa03", "~ 3", "HRC 62"):
