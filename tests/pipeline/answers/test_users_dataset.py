@@ -100,12 +100,19 @@ def test_answers_to_changed_rises_say_that_tests_did_not_change(tmp_path):
 
 REFUSED = {
     "where": (lambda ds: ds.where(ds["velocity"] < 9), "its status is not an integer"),
-    "fillna": (lambda ds: ds.fillna(0.0), "change single variables by assign"),
+    "fillna": (lambda ds: ds.fillna(0.0), "change single variables by assign, and give other loads "
+               "and velocities to pipeline.margin"),
     "multiply": (lambda ds: ds * 1.1, "its status is not an integer"),
     "round": (lambda ds: ds.round(1), "all of its variables are computed"),
     "shift": (lambda ds: ds.shift(velocity=1), "its status is not an integer"),
     "interp": (lambda ds: ds.interp(velocity=[0.7, 1.1]), "its status is not an integer"),
-    "coarsen": (lambda ds: ds.coarsen(load=3).mean(), "its status is not an integer"),
+    "interp quadratic": (lambda ds: ds.interp(velocity=[0.6, 1.4], method="quadratic"),
+                         "its status is not an integer"),
+    "interp at stored loads": (
+        lambda ds: ds.isel(load=[0, 2]).interp(load=ds["load"].values),
+        "its status is not an integer"),
+    "coarsen": (lambda ds: ds.coarsen(load=2, boundary="trim").mean(keep_attrs=True),
+                "its status is not an integer"),
     "shift filled": (lambda ds: ds.shift(velocity=1, fill_value=1), "the values stored at load"),
     "roll velocity": (lambda ds: ds.roll(velocity=1), "in proportion to the velocity"),
     "roll loaded": (lambda ds: ds.load().roll(velocity=-1), "in proportion to the velocity"),
@@ -116,6 +123,12 @@ REFUSED = {
     "reindex": (lambda ds: ds.reindex(velocity=[0.5, 9.0]), "its status is not an integer"),
     "reindex nearest": (lambda ds: ds.reindex(velocity=[0.6, 1.6], method="nearest"),
                         "velocity 0.6 is not in its sweep"),
+    "reindex load": (
+        lambda ds: ds.isel(load=[0, 2]).reindex(load=ds["load"].values, method="nearest"),
+        "the values stored at load 250 N belong to 150 N"),
+    "reindex velocity": (
+        lambda ds: ds.isel(velocity=[0, 2]).reindex(velocity=ds["velocity"], method="nearest"),
+        "the values stored at velocity 1 m/s belong to 1.5 m/s"),
     "sortby": (lambda ds: ds.sortby("velocity", ascending=False), "sort it"),
     "rename": (lambda ds: ds.rename(velocity="speed"), '"velocity" is missing or'),
     "rename variable": (lambda ds: ds.rename(rise_quantile="q"), "lacks rise_quantile"),
@@ -168,17 +181,3 @@ def test_a_file_of_plain_xarray_is_refused_since_it_lacks_the_tests(tiny_store, 
     for write in (file_of, store_of):
         with pytest.raises(InputError, match=r"scene and tests; use one from pipeline\.open"):
             rise_of(write(plain.drop_vars("message", errors="ignore").drop_encoding(), tmp_path))
-
-
-class PolarsFrame:
-    """A table of polars, as far as it is looked at."""
-
-    __module__ = "polars.dataframe"
-
-    def to_pandas(self):
-        raise AssertionError
-
-
-def test_a_table_of_another_library_is_refused_with_what_to_give(ds):
-    with pytest.raises(InputError, match=r"load is of polars; give load.to_pandas\(\)"):
-        pipeline.margin(ds, PolarsFrame())

@@ -423,35 +423,6 @@ def test_tests_narrow_uncertain_inputs_unless_these_are_their_own(uncertain, tmp
     assert narrow < 25 < 45 < wide
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "words"),
-    [
-        ("pin.radios", "5 %", 'is no input of the scene .did you mean "pin.radius"'),
-        ("pin.radius", "5 K", "cannot be converted"),
-        ("pin.radius", "0 %", '"0 %" is outside the allowed range; give a share'),
-        ("temperature.bulk", "5 %", "is not a number with a unit"),
-        (
-            "temperature.bulk",
-            "5 degC",
-            r"outside the allowed range, which is 0.001 K to 200 K; give",
-        ),
-        ("temperature.bulk", 5, "5 has no unit; give a temperature difference"),
-        ("pin.radius", "500 %", '"500 %" is outside the allowed range; give a share .* at most 1'),
-        ("pin.radius", "3 mm", "1.5 is outside the allowed range; give a share .* at most 1"),
-        ("pin.radius, temperature.bulk", "5 K", "cannot be converted"),
-        ("pin.radius, pin.radius", "5 %", "has pin.radius a second time; give"),
-    ],
-)
-def test_what_is_no_deviation_of_an_input_is_refused(key, value, words):
-    with pytest.raises(pipeline.SceneFileError, match=words):
-        load(**{key: value})
-
-
-def test_an_input_in_two_keys_is_refused():
-    with pytest.raises(pipeline.SceneFileError, match=r"has pin.radius a second time; give each"):
-        load(**{"pin.radius": "5 %", "pin.length, pin.radius": "2 %"})
-
-
 def test_the_appendix_of_a_report_has_the_bars_of_inputs(uncertain, tmp_path, undrawn):
     answer(uncertain, uncertainty={CONDUCTIVITY: "15 %"})
     page = pipeline.report(uncertain, *AT, out=tmp_path / "report.html").read_text("utf-8")

@@ -100,27 +100,3 @@ def test_slips_in_toml_are_named_in_words(slip, tmp_path):
     (tmp_path / "a.toml").write_text(f'extends = "first_try"\n\n{slip}')
     with pytest.raises(pipeline.SceneFileError, match=SLIPS[slip]):
         pipeline.load_scene(tmp_path / "a.toml")
-
-
-def test_a_slip_in_an_argument_is_named(tiny_store):
-    class Frame:
-        def to_pandas(self):
-            return None
-
-    for call, words in (
-        (lambda: pipeline.margin(tiny_store, "400 N"), "velocity is missing; give both"),
-        (lambda: pipeline.margin(tiny_store, Frame()), r"give load.to_pandas\(\)"),
-        (
-            lambda: pipeline.report(tiny_store, autor="b"),
-            "autor is not a condition; the conditions",
-        ),
-        (lambda: pipeline.load_scene("first_try", {"pin.radius": "3 mm"}), "go into overrides="),
-        (
-            lambda: pipeline.load_scene(
-                "first_try", overrides={"increments": 5, "fidelity.increments": 6}
-            ),
-            "increments: is given twice",
-        ),
-    ):
-        with pytest.raises((InputError, pipeline.SceneFileError), match=words):
-            call()

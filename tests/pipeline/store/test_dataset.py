@@ -102,41 +102,6 @@ def test_a_dataset_of_plain_xarray_is_answered_with_its_tests(path):
     assert "test_rise_quantile" not in plain.variables
 
 
-REFILLED = {  # how xarray computes values of points from other points, and what gives it away
-    "between loads": (lambda ds: ds.interp(load=[150.0, 200.0]), "status is not an integer"),
-    "by cubics": (
-        lambda ds: ds.interp(velocity=[0.6, 1.4], method="quadratic"), "status is not an integer",
-    ),
-    "onto stored loads": (
-        lambda ds: ds.isel(load=[0, 2]).interp(load=ds["load"].values),
-        "its status is not an integer",
-    ),
-    "means of neighbours": (
-        lambda ds: ds.coarsen(load=2, boundary="trim").mean(keep_attrs=True),
-        "its status is not an integer",
-    ),
-    "a mask": (lambda ds: ds.where(ds["load"] > 200), "its status is not an integer"),
-    "the nearest load": (
-        lambda ds: ds.isel(load=[0, 2]).reindex(load=ds["load"].values, method="nearest"),
-        "the values stored at load 250 N belong to 150 N",
-    ),
-    "the nearest velocity": (
-        lambda ds: ds.isel(velocity=[0, 2]).reindex(velocity=ds["velocity"], method="nearest"),
-        "the values stored at velocity 1 m/s belong to 1.5 m/s",
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", REFILLED)
-def test_points_that_xarray_computed_from_others_are_refused(tiny_store, name):
-    refill, reason = REFILLED[name]
-    ds = refill(pipeline.open_sweep(tiny_store).drop_vars(FIELDS, errors="ignore"))
-    for judge in (pipeline.boundary, lambda ds: pipeline.margin(ds, 200.0, 1.2)):
-        with pytest.raises(InputError, match=re.escape(reason)) as error:
-            judge(ds)
-        assert "give other loads and velocities to pipeline.margin" in str(error.value)
-
-
 def test_a_dataset_that_lost_its_sweep_and_its_store_says_so(rows_store):
     with pytest.raises(InputError, match=r"no attribute sweep.*pipeline\.open_sweep"):
         cases_of(xr.open_zarr(rows_store).drop_encoding())
