@@ -11,7 +11,7 @@ from pipeline import load_scene, run_point
 from pipeline.scene import scene_warnings
 from pipeline.scene.contact_estimate import Span, estimate_contact
 from pipeline.scene.scene_warnings import warnings_of_all
-from tests.helpers import tiny
+from tests.helpers import laws, tiny
 from tests.helpers.entries import bare_test, changed
 from tests.helpers.scenes import SCENE, STEEL
 from tribo.simulation.lubrication import SurfaceSummary, summarize_surface
@@ -59,6 +59,16 @@ def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
         assert facts.hertz_pressure.low == pytest.approx(columns["max_pressure"][-1], rel=0.01)
     assert facts.duration.low == pytest.approx(columns["time"][-1], rel=1e-12)
     assert facts.sliding_distance.low == pytest.approx(columns["sliding_distance"][-1], rel=1e-12)
+
+
+def test_a_law_of_a_user_wears_by_its_mean_from_the_first_metre_to_the_last():
+    law = laws.Tabled(laws.Table(distances=(0.0, 20.0), rates=(4e-15, 1e-15)))
+    by_law, by_rate = (
+        estimate_contact(changed(SMOOTH, wear=wear, loads=(600.0,), velocities=(4.0,)))
+        for wear in (law, tribo.Wear(2.8e-15))
+    )
+    assert by_law.sliding_distance.low == pytest.approx(16.0)  # 4 s at 150 N/s; rate at 8 m
+    assert by_law.wear_depth.low == pytest.approx(by_rate.wear_depth.low, rel=1e-9)
 
 
 def test_roughness_widens_the_contact_as_in_the_simulation():

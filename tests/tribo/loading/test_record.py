@@ -52,6 +52,16 @@ def test_a_load_that_falls_is_followed_and_noise_below_zero_is_no_load():
     assert load_steps[-1].impulse == pytest.approx(150 + triangles / 2, rel=1e-12)
 
 
+def test_the_times_of_steps_do_not_depend_on_the_size_of_the_loads():
+    loads = np.array([10.0, 200.0, 100.0, 100.0, 600.0])
+    times = [
+        [load_step.time for load_step in record.load_steps(600.0 * size, 12)]
+        for size in (1.0, 1e-4)
+        for record in [MeasuredLoad(np.array([0.0, 1.0, 1.5, 6.0, 7.0]), size * loads)]
+    ]
+    assert times[1] == pytest.approx(times[0], rel=1e-9)
+
+
 @pytest.mark.parametrize("noise", [0.0, 2.0])
 def test_linear_fit_finds_the_rate_and_the_onset(noise):
     record = smooth_record(noise)
