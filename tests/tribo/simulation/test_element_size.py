@@ -70,6 +70,24 @@ def test_elements_are_larger_where_the_rise_is_a_mean_over_positions(length, siz
         assert chosen(scene)[0] == size
 
 
+@pytest.mark.parametrize("side", [4e-6, 6e-6, 20e-6, 60e-6])
+def test_a_contact_of_few_elements_is_solved_more_tightly(side):
+    """In proportion to those within the circle of Hertz, up to 2000; at the least, to 0.1 %."""
+    scene = small_scene("local", roughness=False, wear=False, contact_tolerance=0.1,
+                        fewest_elements=1)  # fmt: skip
+    count = round(600e-6 / side)
+    scene = replace(
+        scene,
+        pin=tribo.Ball(5e-3, STEEL),
+        pixels=Grid((count, count), (side, side), (False, False)),
+        loading=tribo.MeasuredLoad(np.array([0.0, 5.0]), np.array([0.0, 50.0])),
+    )
+    radius = (0.75 * 50.0 * 5e-3 / tribo.contact_modulus(STEEL, STEEL)) ** (1 / 3)
+    expected = np.clip(0.1 * np.pi * (radius / side) ** 2 / 2000, 1e-3, 0.1)
+    fitted = fit_elements(scene, 50.0).fidelity.contact_tolerance
+    assert fitted == pytest.approx(expected, rel=1e-4)
+
+
 def test_a_point_has_the_elements_of_its_surface():
     scene = rough((1.5, 1.5), increments=4)
     pixels = replace(scene, fidelity=fit_elements(scene, 600.0).fidelity)
