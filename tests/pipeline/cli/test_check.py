@@ -76,6 +76,21 @@ def test_load_factors_are_counted_and_the_contact_is_that_of_the_highest(check):
     assert high / low == pytest.approx(2.0)  # the pressure of a line grows with the root of load
 
 
+@pytest.mark.parametrize(
+    ("entries", "has_boundary"),
+    [
+        ((), True),
+        (("friction.coefficient=0",), False),
+        (("sweep.velocities=['0 m/s']",), False),
+        (('without=["temperature.critical", "tests"]',), False),
+    ],
+)
+def test_only_a_sweep_with_a_boundary_has_its_error(check, entries, has_boundary):
+    words = [word for entry in entries for word in ("--set", entry)]
+    subjects = [row["subject"] for row in check("--json", *words)["statements"]]
+    assert ("error" in subjects) == has_boundary
+
+
 def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, tmp_path):
     setting, message = 'sweep.loads=["75 kN"]', "sweep.loads: 75000 N exceeds what the window of"
     assert message in check("--set", setting, code=2)
