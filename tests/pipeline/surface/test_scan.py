@@ -76,13 +76,6 @@ def test_heights_of_metres_are_refused(tmp_path):
 ROWS = "\n".join(" ".join(f"{z:.4f}" for z in row) for row in HEIGHTS.T)
 
 
-def test_a_minus_sign_of_print_is_a_minus(tmp_path):
-    (tmp_path / "a.txt").write_text(ROWS.replace("-", "−"), encoding="utf-8")
-    (tmp_path / "b.txt").write_text(ROWS)
-    printed, plain = (read(tmp_path / name)[0] for name in ("a.txt", "b.txt"))
-    np.testing.assert_array_equal(printed, plain)
-
-
 @pytest.mark.parametrize(
     ("content", "why"),
     [
