@@ -5,6 +5,7 @@ import pytest
 
 import pipeline
 from pipeline.shipped import WORKFLOWS
+from tests.helpers.stores import commit_all
 from workflows.make_scan import make_scan
 
 
@@ -14,11 +15,12 @@ def test_the_shipped_scan_is_what_its_script_writes():
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
-    overrides = {"sweep.loads": ["600 N", "750 N"], "sweep.velocities": ["0.8 m/s", "1.2 m/s"]}
+    overrides = {"sweep.loads": ["600 N", "750 N"], "sweep.velocities": ["0.8 m/s", "1.2 m/s"],
+                 "fidelity.increments": 4}  # fmt: skip
     sweep = pipeline.load_scene("scan", overrides=overrides)
     assert [dict(case.name)["realization"] for case in sweep.cases] == [0, 1, 2]
     store = tmp_path_factory.mktemp("scan") / "scan.zarr"
-    pipeline.run_sweep(sweep, store, workers=1)
+    commit_all(store, sweep)
     return pipeline.open_sweep(store)
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers.answer_frames import margin_frame
-from pipeline.answers.answer_lines import common_lines, temperature_error_line
+from pipeline.answers.answer_lines import common_lines, contact_warnings, temperature_error_line
 from pipeline.answers.point_text import headline, margin_facts, probability_line, to_decide
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
@@ -320,6 +320,22 @@ def test_an_unknown_error_states_which_part_is_unknown_and_those_that_are_known(
     start, end = "unknown, because a part is unknown: warnings (interpolation ", " K)"
     assert text.startswith(start)
     assert text.endswith(end)
+
+
+def test_only_an_answer_beside_a_contact_at_the_edge_of_its_window_warns_of_it():
+    ds = synthetic.sweep()
+    flags = xr.where(
+        (ds["load"] == 400) & (ds["velocity"] == 2.0), int(WarningKind.CONTACT_AT_EDGE), 0
+    )
+    words = "the contact reaches the edge of the window nearby; increase window.pixels"
+    for dataset, velocity, count in (
+        (ds.assign(warning_flags=flags), 2.1, 1),
+        (ds.assign(warning_flags=flags), 3.1, 0),
+        (ds, 2.1, 0),
+    ):
+        for loads, start in ((425.0, "warning: "), ([425.0, 426.0], "warning: at some points, ")):
+            lines = [*contact_warnings(pipeline.margin(dataset, loads, velocity))]
+            assert lines == [start + words] * count
 
 
 def test_a_verdict_that_a_test_rules_out_states_the_reason_and_no_advice():

@@ -110,6 +110,8 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     assert markers["test severe, elsewhere"].tolist() == [[2.5, 350.0]]
     assert colours["test mild"] == "white"
     assert colours["test severe"] == colours["test severe, elsewhere"] != "white"
+    sizes = {line.get_gid(): line.get_markersize() for line in axes.lines}
+    assert sizes["test mild"] == sizes["test severe, elsewhere"] > 1.5 * sizes["simulated"]
     numbers = {
         text.get_text(): text.xy for text in axes.texts if text.get_gid() == "number of a test"
     }

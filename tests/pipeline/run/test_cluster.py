@@ -27,8 +27,10 @@ from distributed.utils import CancelledError
 from pipeline import ExecutionError, run_point, run_sweep, summary, verify_store
 from pipeline.run import drive, work
 from pipeline.run.cluster import CONFIGURATION, ENVIRONMENT, client_of, connected
+from pipeline.run.watch import Watch
 from pipeline.run.work import PROGRAM, _hash_of_code
 from tests.helpers import tiny
+from tests.helpers.reported import Heard
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 
@@ -131,6 +133,14 @@ def test_a_hash_of_the_code_tells_a_changed_line(tmp_path):
     code = tmp_path / "tribo" / "thermal" / "factors.py"
     code.write_text(code.read_text().replace("0.5", "0.51"))
     assert _hash_of_code(tmp_path) != PROGRAM.code
+
+
+def test_a_worker_with_other_libraries_is_told_once_with_both_versions():
+    watch = Watch(None, 1.0, (messages := Heard()).hear)
+    for _ in range(2):
+        watch.require_program(PROGRAM._replace(versions="NumPy 9"))
+    words = f"a Dask worker computes with NumPy 9 instead of {PROGRAM.versions}"
+    assert messages == [f"{words}; last digits may differ"]
 
 
 @pytest.mark.timeout(300)

@@ -50,6 +50,7 @@ VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.in
 REFUSALS = {
     "accuracy": (searched(SWEEP, 1.0), "accuracy: 1.0 is outside the allowed range; give a share"),
     "too small": (searched(SWEEP, "0.5%"), "accuracy is 0.5 %, and the preset fine may err by"),
+    "not smaller": (searched(SWEEP, 0.0065), "accuracy is 0.65 %, and the preset fine may err by"),
     "fidelity": (searched(VARIED), "sweep.over varies [fidelity], which the accuracy chooses"),
     "rows": (searched(ROWS), "each row of the sweep has its own load and velocity"),
     "at rest": (searched(tiny.sweep(velocities=(0.0,))), "no velocity is above 0"),
