@@ -180,7 +180,8 @@ def test_the_boundary_is_limited_by_the_tests_that_rule_verdicts_out_in_margins(
 
 def test_a_mild_test_limits_the_velocity_from_which_the_boundary_is_severe():
     severe = [at(0.2, "severe", number=f"m{k}") for k in range(40)]
-    ds = swept(*severe, bare_test(700.0, 3.8, outcome="mild", number="strong"))
+    equal = [bare_test(700.0, 3.8, outcome="mild", number=number) for number in ("strong", "later")]
+    ds = swept(*severe, *equal)
     answer = pipeline.boundary(ds).sel(load=600.0)
     assert answer["severe_velocity"].item() == pytest.approx(3.8, rel=1e-5)
     assert velocities_of_verdict(ds, 600.0, "severe").min() == pytest.approx(3.81)

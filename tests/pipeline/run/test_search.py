@@ -133,6 +133,24 @@ def test_a_goal_takes_further_realizations_if_one_does_not_state_how_they_differ
     assert (np.abs(search.critical[is_critical] / expected - 1) <= errors[is_critical]).all()
 
 
+def test_a_load_gets_a_second_realization_before_any_other():
+    specimen, batches = Specimen(4, loads=4), []
+    specimen.stated = np.nan
+    search = specimen.search(0.03, freedom=0.0)
+    ask = search.ask
+    search.ask = lambda: batches.append(ask()) or batches[-1]
+    specimen.run(search)
+    further = {}
+    for batch in batches:
+        numbers = {
+            load: {point.realization for point in batch if point.load == load}
+            for load in {point.load for point in batch if point.realization}
+        }
+        further = numbers | further
+    assert len(further) > 1
+    assert all(numbers - {0} == {1} for numbers in further.values())
+
+
 def test_a_search_that_was_stopped_asks_for_the_same_points_again():
     specimen = Specimen(5, loads=3)
     uninterrupted = specimen.run(specimen.search(0.05))
