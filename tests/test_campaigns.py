@@ -142,6 +142,7 @@ def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_s
 # Uncertain inputs
 
 
+@pytest.mark.slow
 def test_the_linear_rule_for_uncertain_inputs_holds_on_simulated_draws(monkeypatch):
     scene, _, points = inputs.SCENES["flagship"]
     narrower = {"window.pixels": [288, 120], "window.pixel_size": ["1.632 um", "1.9 um"]}

@@ -218,12 +218,6 @@ def test_rows_without_a_verdict_leave_the_headline_open(undrawn, sweep):
     assert "1 of 2 operating points have a verdict; mild at the most critical" in page.words
 
 
-def test_a_report_of_half_a_point_is_refused(sweep):
-    message = "give a load and a velocity, or a table of points, or neither"
-    with pytest.raises(InputError, match=message):
-        pipeline.report(sweep, load=400.0)
-
-
 def test_a_report_of_a_point_outside_is_refused(sweep):
     with pytest.raises(InputError, match=r"load 4000 N is outside the sweep \(200 to 750 N\)"):
         pipeline.report(sweep, 4000.0, 1.0)

@@ -182,7 +182,7 @@ ELSEWHERE = {
     "resume._union InputError": "test_create.py, as a StoreMismatchError",
     "lock.locked StoreError": "a run that ended between opening the lock and taking it",
     "store._require_lock StoreError": "test_writing.py",
-    "store.read StoreError": "test_writing.py: enlarged since it was opened",
+    "store.read StoreError": "test_create.py: enlarged since it was opened",
     "root.read_root StoreError": "a run that was cut short between two renames",
 }
 """Refusals that are not in the table: where they are tested, or why not."""

@@ -102,20 +102,6 @@ def test_opening_reads_no_field(copy):
         assert ds["mean_rise"].load().notnull().any()
 
 
-def test_a_dataset_that_was_opened_before_a_larger_store_took_the_place_says_so(copy):
-    """Its chunks would hold other points."""
-    with open_sweep(copy) as ds:
-        commit(
-            copy,
-            tiny.full(velocities=tuple(sorted((0.75, *tiny.VELOCITIES)))),
-            [Point(250.0, 0.75)],
-        )
-        with pytest.raises(StoreError, match="was enlarged or repaired since it was opened"):
-            ds.load()
-    with open_sweep(copy) as ds:
-        assert ds["mean_rise"].notnull().any("step").sum() == 10
-
-
 def test_a_lack_of_threads_is_no_damage(tiny_store, monkeypatch):
     """Otherwise a repair would delete sound data."""
 
