@@ -348,8 +348,8 @@ def test_without_a_stated_bias_its_part_by_inputs_gives_way_to_the_declared_ones
 
 
 def test_inputs_with_one_uncertainty_add_before_they_are_squared(uncertain):
-    # A rise by 5 K of both temperatures leaves the allowable rise unchanged.
-    both = answer(uncertain, uncertainty={"temperature.bulk, temperature.critical": "5 K"})
+    # A rise by 20 K of both temperatures leaves the allowable rise unchanged.
+    both = answer(uncertain, uncertainty={"temperature.bulk, temperature.critical": "20 K"})
     require_equal(both, answer(uncertain, **{"model.bias": 0.15}))
 
 
