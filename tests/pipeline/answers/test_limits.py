@@ -77,8 +77,8 @@ def places(seed, count):
     return {k: xr.DataArray(column, dims="place") for k, column in zip(names, values, strict=True)}
 
 
-def verdicts_beside(ds, at, limits):
-    """Verdicts (side, axis, place) just below and above the `limits` of each axis at places."""
+def margins_beside(ds, at, limits):
+    """Margins (side, axis, place) just below and above the `limits` of each axis at places."""
     near = xr.DataArray([1 - 1e-3, 1 + 1e-3], dims="side")
     places = {
         name: xr.concat(
@@ -86,7 +86,7 @@ def verdicts_beside(ds, at, limits):
         )
         for name, values in at.items()
     }
-    return pipeline.margin(ds, **places)["verdict"].transpose("side", "axis", "place").values
+    return pipeline.margin(ds, **places).transpose("side", "axis", "place", ...)
 
 
 @pytest.mark.parametrize("count", [25, pytest.param(150, marks=pytest.mark.slow)])
@@ -99,7 +99,9 @@ def test_wear_is_mild_just_below_a_mild_limit_and_not_just_above(name, count):
         axis: xr.DataArray(margin[f"mild_{axis}"].fillna(0.1).values, dims="place")
         for axis in (*PLANE, "friction")
     }
-    for axis, below, above in zip(limits, *verdicts_beside(ds, at, limits), strict=True):
+    beside = margins_beside(ds, at, limits)
+    for k, axis in enumerate(limits):
+        below, above = beside["verdict"].values[:, k]
         limit, side = margin[f"mild_{axis}"].values, margin[f"mild_{axis}_side"].values
         factor = margin[f"{axis}_safety_factor"].values
         is_inside = side == Side.INSIDE
@@ -108,7 +110,9 @@ def test_wear_is_mild_just_below_a_mild_limit_and_not_just_above(name, count):
         is_tested = is_inside & (limit * (1 - 1e-3) > low)
         assert (below[is_tested] == MILD).all(), (axis, limit[is_tested & (below != MILD)])
         assert (above[is_inside] != MILD).all(), (axis, limit[is_inside & (above == MILD)])
-        # A limit never contradicts the verdict at its point.
+        # The limit is the same from just below it, and never contradicts the verdict at its point.
+        same = beside[f"mild_{axis}"].values[0, k]
+        np.testing.assert_allclose(same[is_tested], limit[is_tested], rtol=1e-5)
         has_factor = np.isfinite(factor)
         assert ((factor >= 1 - 1e-9) == (verdict == MILD))[has_factor].all()
         assert (has_factor | (side == Side.ABOVE))[verdict == MILD].all()
