@@ -2,6 +2,7 @@
 
 import functools
 import html
+import json
 import re
 
 import numpy as np
@@ -101,11 +102,7 @@ def columns(rows, *names):
     """Values of rows of JSON or CSV, by the names of variables and in SI."""
     heads = {head.partition(" [")[0]: head for head in rows[0]}
     for name in names:
-        head = heads[
-            {
-                "critical_velocity_p50": "50 % severe",
-            }.get(name, name.replace("_", " "))
-        ]
+        head = heads[{"critical_velocity_p50": "50 % severe"}.get(name, name.replace("_", " "))]
         values = np.array([row[head] or np.nan for row in rows], float)
         yield name, values + 273.15 * (name == "governing_temperature")
 
@@ -133,7 +130,7 @@ def test_array_table_and_command_say_the_same_of_all_points(margin_case, tmp_pat
     assert all(f"{count} {verdict}" in output for verdict, count in counts.items())
 
 
-def test_a_point_alone_gets_what_it_gets_in_the_table(margin_case, irg):
+def test_a_point_alone_gets_what_it_gets_in_the_table(margin_case, irg, tmp_path):
     name, ds, margins = margin_case
     load, velocity, friction, bulk = table(name).iloc[17].tolist()
     conditions = {"friction": friction, "bulk_temperature": f"{bulk} °C"}
@@ -149,7 +146,8 @@ def test_a_point_alone_gets_what_it_gets_in_the_table(margin_case, irg):
     if "unknown" in words(row_margin):
         assert row_margin["reason"].values.ravel()[0] in irg(*command, *options, code=2)
         return
-    output, rows = irg(*command, *options), irg(*command, *options, "--json")
+    output = irg(*command, *options, "-o", tmp_path / "row.json")
+    rows = json.loads((tmp_path / "row.json").read_text())
     assert [row["verdict"] for row in rows] == words(row_margin).tolist()
     for variable, values in columns(rows, *NUMBERS):
         same(values, row_margin[variable].values.ravel(), 1e-9)
