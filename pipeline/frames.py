@@ -15,8 +15,8 @@ from typing import Any, TypeGuard
 
 import pandas as pd
 
+from pipeline.paths import store_file, sync
 from pipeline.quantities import DIMENSIONS, SIZES, in_unit
-from pipeline.store.files import store_file, sync
 from tribo import InputError
 
 _HEADING = re.compile(r"(.+) \[(.+)\]")

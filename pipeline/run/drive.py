@@ -23,7 +23,7 @@ from distributed import Client, Future, KilledWorker, as_completed
 
 from pipeline.answers.scene_wording import test_group_words
 from pipeline.progress import Progress, Report, silent
-from pipeline.run.watch import CANNOT, POLL, Watch
+from pipeline.run.cluster import CANNOT, POLL, Watch
 from pipeline.run.work import CaseInputs, ExecutionError, simulate_point, unpack_result
 from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
 from pipeline.store.store import Store, Writer

@@ -17,10 +17,9 @@ from distributed import Client
 from pipeline.kinds import WORKERS
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.boundary_variants import with_variants
-from pipeline.run.cluster import PATIENCE, connected
+from pipeline.run.cluster import PATIENCE, Watch, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
 from pipeline.run.goal import GoalPlan
-from pipeline.run.watch import Watch
 from pipeline.scene.scene_file import sweep_of
 from pipeline.scene.variants import expected_variants
 from pipeline.store.create import enlarged, find_sweep, versions, writing

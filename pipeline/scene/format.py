@@ -27,12 +27,14 @@ from pipeline.kinds import (
     UnitOfLength,
 )
 from pipeline.limits import MAX_CASES, MAX_ON_AXIS
-from pipeline.scene.list_kinds import List, MixedList, Range
 from pipeline.scene.table_kinds import (
     ByPath,
     Declared,
     Either,
     Entry,
+    List,
+    MixedList,
+    Range,
     Sorted,
     TableKind,
     Tables,

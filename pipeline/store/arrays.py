@@ -22,8 +22,7 @@ from zarr.abc.store import ByteRequest
 from zarr.buffer import cpu, default_buffer_prototype
 from zarr.storage import LocalStore, MemoryStore
 
-from pipeline.paths import read_file
-from pipeline.store.files import store_file, sync
+from pipeline.paths import read_file, store_file, sync
 from pipeline.store.location import MEMORY, ROOT
 from pipeline.store.schema import Variable, attributes_of, path_of
 

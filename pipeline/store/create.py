@@ -23,8 +23,8 @@ from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
 
+from pipeline.paths import PARTIAL, sync
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.files import PARTIAL, sync
 from pipeline.store.location import (
     MEMORY,
     NEW,

@@ -16,9 +16,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from pipeline.paths import open_regular
+from pipeline.paths import make_folder, open_regular
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.files import make_folder
 from pipeline.store.location import LOCK, StoreError, io_errors, sibling
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")

@@ -18,9 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.limits import MAX_INPUTS
-from pipeline.paths import path_hint, read_file, store_hint
+from pipeline.paths import path_hint, read_file, store_file, store_hint, sync
 from pipeline.store.arrays import Document, array_document, open_arrays
-from pipeline.store.files import store_file, sync
 from pipeline.store.layout import Group, sizes_of
 from pipeline.store.location import (
     NEW,

@@ -20,9 +20,9 @@ import numpy as np
 
 import pipeline
 from pipeline import verify_store
+from pipeline.paths import PARTIAL
 from pipeline.store.create import find_sweep
 from pipeline.store.dataset import store_dataset
-from pipeline.store.files import PARTIAL
 from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS, PLANE
 from pipeline.store.store import opened
 from pipeline.sweep.sweep import Point

@@ -19,7 +19,7 @@ import numpy as np
 import zarr
 
 from pipeline import verify_store
-from pipeline.store.files import PARTIAL
+from pipeline.paths import PARTIAL
 from pipeline.store.location import OLD
 from pipeline.store.schema import DONE, FIELDS, PROGRESS, path_of
 from pipeline.sweep.case_table import surface_table

@@ -12,8 +12,7 @@ from pathlib import Path
 import tribo
 from pipeline.kinds import Quantity
 from pipeline.messages import quoted
-from pipeline.scene.list_kinds import List
-from pipeline.scene.table_kinds import number_in
+from pipeline.scene.table_kinds import List, number_in
 from pipeline.store import schema
 from pipeline.units import typeset
 from tests.helpers.campaigns import table

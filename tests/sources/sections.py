@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 from pipeline.kinds import Kind
 from pipeline.scene.format import SceneFile
-from pipeline.scene.list_kinds import List
-from pipeline.scene.table_kinds import Either, Entry, TableKind, Tables
+from pipeline.scene.table_kinds import Either, Entry, List, TableKind, Tables
 
 
 class Section(NamedTuple):

@@ -13,8 +13,8 @@ import pipeline
 import tribo
 from pipeline import StoreError
 from pipeline.cli import main
+from pipeline.paths import PARTIAL
 from pipeline.store import store as stored
-from pipeline.store.files import PARTIAL
 from tests.helpers import tiny
 from tests.helpers.stores import commit, lock_of
 

@@ -12,8 +12,8 @@ import zarr
 
 import tribo
 from pipeline import StoreError, StoreMismatchError, open_sweep, summary, verify_store
+from pipeline.paths import PARTIAL
 from pipeline.store.create import writing
-from pipeline.store.files import PARTIAL
 from pipeline.store.location import location_of
 from pipeline.store.lock import locked
 from pipeline.store.points import copy_points

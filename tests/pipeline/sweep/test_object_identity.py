@@ -1,4 +1,4 @@
-"""What identifies an object of a user's class (pipeline/sweep/object_identity.py)."""
+"""What identifies an object of a user's class (pipeline/sweep/user_laws.py)."""
 
 import functools
 import importlib
