@@ -11,22 +11,8 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
+from pipeline.store import schema
 from pipeline.store.location import PathLike, damaged, location_of
-from pipeline.store.schema import (
-    ABOUT,
-    AT_TESTS,
-    DATA,
-    DONE,
-    FAILED,
-    FIELDS,
-    INPUTS,
-    OF_FIELDS,
-    PROGRESS,
-    RECORDS,
-    attributes_of,
-    is_in_fields,
-    variable_of_tests,
-)
 from pipeline.store.store import Store, opened
 from pipeline.sweep.case import TEST
 from tribo import InputError
@@ -82,7 +68,7 @@ def _store_of(ds: xr.Dataset) -> Store | None:
     location = ds.variables["status"].encoding.get("store", ds.encoding.get("source"))
     if not location or Path(location).is_file() or "sweep_digest" not in ds.attrs:
         return None
-    if Path(location).is_dir() and not (Path(location) / ABOUT).is_dir():
+    if Path(location).is_dir() and not (Path(location) / schema.ABOUT).is_dir():
         return None  # written by xarray
     store = opened(location)
     if ds.attrs.get("sweep_digest") != store.root.sweep_digest:
@@ -95,21 +81,21 @@ def _store_of(ds: xr.Dataset) -> Store | None:
 
 def _dataset_of(store: Store) -> xr.Dataset:
     """Points of a store without fields, as a dataset whose data are read when they are used."""
-    names = [name for name in store.group.variables if not is_in_fields(name)]
+    names = [name for name in store.group.variables if not schema.is_in_fields(name)]
     variables = {name: _variable_of(store, name) for name in names}
     # Answers need the sweep, which stays in the attributes of datasets made from this one.
     attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
-    coords = {*store.group.coordinates, *PROGRESS} - {INPUTS}
+    coords = {*store.group.coordinates, *schema.PROGRESS} - {schema.INPUTS}
     return xr.Dataset(variables, attrs=attributes).set_coords(coords & {*variables})
 
 
 def _fields_of(store: Store) -> xr.Dataset:
     """The group of fields of a store as a dataset whose data are read when they are used."""
     variables = {
-        name.removeprefix(f"{OF_FIELDS}/"): _variable_of(store, name)
-        for name in filter(is_in_fields, store.group.variables)
+        name.removeprefix(f"{schema.OF_FIELDS}/"): _variable_of(store, name)
+        for name in filter(schema.is_in_fields, store.group.variables)
     }
-    return xr.Dataset(variables).set_coords(variables.keys() - FIELDS.keys())
+    return xr.Dataset(variables).set_coords(variables.keys() - schema.FIELDS.keys())
 
 
 def _variable_of(store: Store, name: str) -> xr.Variable:
@@ -122,7 +108,7 @@ def _variable_of(store: Store, name: str) -> xr.Variable:
         values = np.array(store.group.coordinates[name], dtype)
     else:
         values = indexing.LazilyIndexedArray(_MaskedVariable(store, name))
-    attributes = attributes_of(variable)
+    attributes = schema.attributes_of(variable)
     attributes.pop("coordinates", None)
     # Variables that xarray computes from this one have no encoding, see `cases_of`.
     return xr.Variable(variable.dims, values, attributes, {"store": str(store.location)})
@@ -132,9 +118,9 @@ def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     """Results at points of the scene's tests, as coordinates, which xarray operations keep."""
     coordinates = dict[str, xr.Variable]()
     for ds in map(_dataset_of, store.groups[1:]):
-        names = [name for name in (TEST, *AT_TESTS) if name in ds.variables]
-        coordinates |= {variable_of_tests(name): ds[name].variable for name in names}
-        message = coordinates[variable_of_tests("message")]
+        names = [name for name in (TEST, *schema.AT_TESTS) if name in ds.variables]
+        coordinates |= {schema.variable_of_tests(name): ds[name].variable for name in names}
+        message = coordinates[schema.variable_of_tests("message")]
         message.values = message.values.astype(object)
     return coordinates
 
@@ -145,7 +131,7 @@ class _MaskedVariable(BackendArray):
     def __init__(self, store: Store, name: str) -> None:
         self._store, self._name = store, name
         self._array = array = store.arrays[name]
-        states = (DONE, FAILED) if name in RECORDS else (DONE,)
+        states = (schema.DONE, schema.FAILED) if name in schema.RECORDS else (schema.DONE,)
         self._mask = store.group.values_at(name, np.isin(store.flags, states))
         self.shape, self.dtype = array.shape, array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
@@ -164,7 +150,7 @@ class _MaskedVariable(BackendArray):
         values = np.asarray(self._store.read(self._name, key), self.dtype)
         inner = values.shape[sum(index.ndim for index in at) :]
         values = values.reshape(mask.shape + inner)
-        if self._name in DATA:
+        if self._name in schema.DATA:
             self._require_written(values, mask, key[count:])
         values[~mask] = self._array.fill_value
         return values.reshape([*(n for index in at for n in index.shape), *inner])

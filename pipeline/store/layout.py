@@ -11,23 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.store import schema
 from pipeline.store.arrays import Document, array_document
-from pipeline.store.schema import (
-    FIELD_REALIZATION,
-    FIELDS,
-    INPUT_DIM,
-    INPUTS,
-    OF_FIELDS,
-    PLANE,
-    TEST_STEP,
-    Variable,
-    inputs_variable,
-    is_coordinate,
-    is_in_fields,
-    is_of_points,
-    path_of,
-    variables_of,
-)
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import LOAD_FACTOR, in_order
 from pipeline.sweep.plan import choose_stored_steps
@@ -59,7 +44,7 @@ class Group:
     @property
     def step(self) -> str:
         """Name of the dimension of steps."""
-        return TEST_STEP if self.prefix else "step"
+        return schema.TEST_STEP if self.prefix else "step"
 
     @cached_property
     def axes(self) -> Axes:
@@ -90,18 +75,20 @@ class Group:
             "x": scenes[0].grid.coordinates(0).tolist(),
             "y": scenes[0].grid.coordinates(1).tolist(),
         }
-        return {name: labels for name, labels in values.items() if name in variables_of(sweep)}
+        return {
+            name: labels for name, labels in values.items() if name in schema.variables_of(sweep)
+        }
 
     @cached_property
-    def variables(self) -> dict[str, Variable]:
+    def variables(self) -> dict[str, schema.Variable]:
         """Variables of the group by name."""
-        return variables_of(self.sweep) | inputs_variable(sizes_of(self.inputs))
+        return schema.variables_of(self.sweep) | schema.inputs_variable(sizes_of(self.inputs))
 
     @cached_property
     def sizes(self) -> dict[str, int]:
         """Lengths of the dimensions."""
         lengths = {name: len(values) for name, values in self.axes.items()}
-        lengths[INPUT_DIM] = sum(sizes_of(self.inputs).values())
+        lengths[schema.INPUT_DIM] = sum(sizes_of(self.inputs).values())
         return lengths
 
     @property
@@ -138,7 +125,7 @@ class Group:
 
     def values_at(self, name: str, points: Mask) -> Mask:
         """True at the values of a variable that belong to any of some points."""
-        points = points & self.with_fields if name in FIELDS else points
+        points = points & self.with_fields if name in schema.FIELDS else points
         shared_axes = [axis for axis, has_dim in enumerate(self.has_dims(name)) if not has_dim]
         return np.asarray(points.any(axis=tuple(shared_axes)))
 
@@ -148,8 +135,8 @@ class Group:
         block, documents = self._block(), dict[str, Document]()
         for name, variable in self.variables.items():
             is_axis = variable.dims == (name.rpartition("/")[2],)
-            chunk = {} if is_coordinate(name) or name == "status" else block
-            if is_in_fields(name) and not is_axis:  # Dask demands the same chunks in a group
+            chunk = {} if schema.is_coordinate(name) or name == "status" else block
+            if schema.is_in_fields(name) and not is_axis:  # Dask demands the same chunks in a group
                 chunk = dict.fromkeys(block, 1)
             documents[name] = array_document(variable, self.sizes, chunk, self.growths)
         return documents
@@ -157,9 +144,9 @@ class Group:
     def _block(self) -> dict[str, int]:
         """Number of points in a chunk along each dimension: all loads, velocities, then rows."""
         max_bytes = max(
-            8 * math.prod(self.sizes[dim] for dim in variable.dims if not is_of_points(dim))
+            8 * math.prod(self.sizes[dim] for dim in variable.dims if not schema.is_of_points(dim))
             for name, variable in self.variables.items()
-            if not (name in FIELDS or is_coordinate(name))
+            if not (name in schema.FIELDS or schema.is_coordinate(name))
         )
         max_points, block = min(max(_MAX_BYTES // max_bytes, 1), _MAX_POINTS), dict[str, int]()
         for dim in sorted(self.dims, key=lambda dim: (dim != "load", dim != "velocity")):
@@ -168,23 +155,25 @@ class Group:
 
     def paths(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by path in the store."""
-        return {self.prefix + path_of(name): array for name, array in self.arrays.items()}
+        return {self.prefix + schema.path_of(name): array for name, array in self.arrays.items()}
 
     @cached_property
     def coordinates(self) -> dict[str, Any]:
         """Values of coordinates, and of the arrays from the scene's files, by name."""
         values: dict[str, Any] = {**self.axes}
         for _, label in self.sweep.surface_with_fields if self.sweep.fields else ():
-            values[FIELD_REALIZATION] = label
-        copies = {f"{OF_FIELDS}/{name}": labels for name, labels in self.axes.items()}
+            values[schema.FIELD_REALIZATION] = label
+        copies = {f"{schema.OF_FIELDS}/{name}": labels for name, labels in self.axes.items()}
         values |= {name: labels for name, labels in copies.items() if name in self.variables}
         if self.inputs:
-            values[INPUTS] = np.concatenate([array.ravel() for array in self.inputs.values()])
+            values[schema.INPUTS] = np.concatenate(
+                [array.ravel() for array in self.inputs.values()]
+            )
         return values
 
     def points_at(self, indices: Sequence[Indices]) -> list[Point]:
         """Points at indices; `indices` has an array for each of `dims`, as from `numpy.nonzero`."""
-        names, columns = [*PLANE, *self.sweep.case_table.axes], []
+        names, columns = [*schema.PLANE, *self.sweep.case_table.axes], []
         for name in names:
             at = tuple(indices[self.dims.index(dim)] for dim in self.variables[name].dims)
             columns.append(np.array(self.axes[name], object)[at].tolist())

@@ -11,14 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
+from pipeline.store import schema
 from pipeline.store.layout import block_at
-from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, is_coordinate, path_of
 from pipeline.store.store import Index, Store
 from pipeline.sweep.plan import choose_stored_steps
 from tribo.types import Indices
 
 _MAX_FIELD_BYTES = 2**25  # bytes of fields read at once
-_OF_DONE = {*DATA, "steps"}  # variables that points that failed do not have
+_OF_DONE = {*schema.DATA, "steps"}  # variables that points that failed do not have
 
 
 class Batch(NamedTuple):
@@ -31,17 +31,17 @@ class Batch(NamedTuple):
 
 def batches(store: Store, progress: Report = silent) -> Iterator[Batch]:
     """Yield all done and failed points; chunks that cannot be read go to `store.unreadable`."""
-    names = [name for name in store.arrays if not (name == "status" or is_coordinate(name))]
-    fields = [name for name in names if name in FIELDS]
-    columns = [name for name in names if name not in FIELDS]
+    names = [name for name in store.arrays if not (name == "status" or schema.is_coordinate(name))]
+    fields = [name for name in names if name in schema.FIELDS]
+    columns = [name for name in names if name not in schema.FIELDS]
     field_bytes = sum(4 * math.prod(store.arrays[name].chunks) for name in fields)
     max_points = max(_MAX_FIELD_BYTES // max(field_bytes, 1), 1)
     sizes = store.block_of("message")
     chunks = [*np.ndindex(*np.ceil(np.divide(store.flags.shape, sizes)).astype(int))]
     for count, chunk in enumerate(chunks, 1):
         block = block_at(chunk, sizes)
-        within = np.argwhere(np.isin(store.flags[block], (DONE, FAILED)))
-        has_results = bool((store.flags[block] == DONE).any())
+        within = np.argwhere(np.isin(store.flags[block], (schema.DONE, schema.FAILED)))
+        has_results = bool((store.flags[block] == schema.DONE).any())
         chunk_values = {
             name: store.try_read(name, tuple(itertools.compress(block, store.group.has_dims(name))))
             for name in columns
@@ -61,7 +61,7 @@ def batches(store: Store, progress: Report = silent) -> Iterator[Batch]:
 def _read_fields(store: Store, name: str, indices: Indices) -> list[Any]:
     """A field of each point; None if it is lost, or the point is not done or has no fields."""
     fields: list[Any] = [None] * len(indices)
-    has_fields = (store.group.with_fields & (store.flags == DONE))[tuple(indices.T)]
+    has_fields = (store.group.with_fields & (store.flags == schema.DONE))[tuple(indices.T)]
     for row in np.flatnonzero(has_fields).tolist():
         (chunk,) = store.group.point_indices(name, indices[[row]]).tolist()  # of a single point
         values = store.try_read(name, block_at(chunk, [1] * len(chunk)))
@@ -75,17 +75,19 @@ def _faults(store: Store, indices: Indices, values: dict[str, Any]) -> list[str]
     A point that is done has a number at its end in each result. One that failed has no results.
     """
     at = tuple(indices.T)
-    is_done, has_fields = store.flags[at] == DONE, store.group.with_fields[at]
+    is_done, has_fields = store.flags[at] == schema.DONE, store.group.with_fields[at]
     faults = [""] * len(indices)
     for name, column in values.items():
-        has_value = is_done & has_fields if name in FIELDS else is_done | (name not in _OF_DONE)
+        has_value = (
+            is_done & has_fields if name in schema.FIELDS else is_done | (name not in _OF_DONE)
+        )
         if name == "message":  # which a point that is done does not have
             has_value = ~is_done
         if column is None:
             is_lost, problem = has_value, "cannot be read"
-        elif name in FIELDS:
+        elif name in schema.FIELDS:
             is_lost, problem = has_value & [field is None for field in column], "cannot be read"
-        elif name in DATA:
+        elif name in schema.DATA:
             ends = column[:, -1] if store.group.is_stepped(name) else column
             is_nan = np.isnan(ends).reshape(len(ends), -1).any(axis=1)
             is_lost, problem = has_value & is_nan, "is missing"
@@ -117,7 +119,7 @@ def find_damage(store: Store, progress: Report = silent) -> Damage:
         expected = np.asarray(values, store.arrays[name].dtype)
         has_nan = expected.dtype.kind == "f"
         if stored is None or not np.array_equal(stored, expected, equal_nan=has_nan):
-            files.add(f"{store.group.prefix}{path_of(name)}")
+            files.add(f"{store.group.prefix}{schema.path_of(name)}")
     return Damage(points, sorted(files))
 
 
@@ -129,10 +131,10 @@ def copy_points(target_store: Store, source_store: Store) -> int:
     at different times, or `source_store` lacks a variable of `target_store`.
     """
     return sum(
-        transfer(target, source, (DONE,))[0]
+        transfer(target, source, (schema.DONE,))[0]
         for target, source in zip(target_store.groups, source_store.groups, strict=False)
         if choose_stored_steps(target.sweep) == choose_stored_steps(source.sweep)
-        and target.arrays.keys() & DATA.keys() <= source.arrays.keys()
+        and target.arrays.keys() & schema.DATA.keys() <= source.arrays.keys()
         and target.sweep.fields in (False, source.sweep.fields)
     )
 
@@ -153,8 +155,8 @@ def transfer(target: Store, source: Store, states: Collection[int]) -> tuple[int
             if faults[row]:
                 damaged += bool(needing_indices)
                 continue
-            lacks_fields = flags[row] == DONE and any(
-                columns[name][row] is None for name in FIELDS.keys() & columns.keys()
+            lacks_fields = flags[row] == schema.DONE and any(
+                columns[name][row] is None for name in schema.FIELDS.keys() & columns.keys()
             )
             for index in needing_indices if flags[row] in states else ():
                 # A point is simulated again if `source` lacks its fields.

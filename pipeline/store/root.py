@@ -19,6 +19,7 @@ from typing import Any
 
 from pipeline.limits import MAX_INPUTS
 from pipeline.paths import path_hint, read_file, store_file, store_hint, sync
+from pipeline.store import schema
 from pipeline.store.arrays import Document, array_document, open_arrays
 from pipeline.store.layout import Group, sizes_of
 from pipeline.store.location import (
@@ -32,15 +33,6 @@ from pipeline.store.location import (
     sibling,
 )
 from pipeline.store.lock import holder_of
-from pipeline.store.schema import (
-    ABOUT,
-    FORMAT,
-    INPUT_DIM,
-    INPUTS,
-    OF_TESTS,
-    inputs_variable,
-    split_arrays,
-)
 from pipeline.sweep.codec import ArrayError
 from pipeline.sweep.plan import choose_stored_steps, with_sweep_of_tests
 from pipeline.sweep.stored import plain_sweep, sweep_of_plain
@@ -52,7 +44,7 @@ WRITER_PREFIX = "computed by "
 """Beginning of a line in the history of a store that names the versions of programs."""
 GOAL_PREFIX = "run with --accuracy "
 """Beginning of a line in the history of a store."""
-FACTS = f"{ABOUT}/{ROOT}"
+FACTS = f"{schema.ABOUT}/{ROOT}"
 """Key of the document with the data of the sweep, which makes a folder a store."""
 _CONSOLIDATED = "consolidated_metadata"
 _MAX_BYTES = 10**8  # of a document; 5000 rows with six entries take 2.5 MB
@@ -79,7 +71,7 @@ class Root:
         plain, arrays = stored or plain_sweep(sweep)
         plane, *others = with_sweep_of_tests(sweep)
         groups = [Group(plane, arrays, growths=growths)]
-        groups += [Group(part, prefix=f"{OF_TESTS}/", growths=growths) for part in others]
+        groups += [Group(part, prefix=f"{schema.OF_TESTS}/", growths=growths) for part in others]
         return cls(groups, tuple(dict.fromkeys(history)), plain)
 
     @property
@@ -119,7 +111,7 @@ class Root:
     def documents(self) -> dict[str, Document]:
         """Documents of all arrays and groups, by key."""
         facts: Document = {
-            "format": FORMAT,
+            "format": schema.FORMAT,
             "history": [*self.history],
             "growths": self.growths,
             "inputs": sizes_of(self.groups[0].inputs),
@@ -129,10 +121,10 @@ class Root:
         facts["digest"] = _digest(facts)
         documents = dict[str, Document]()
         for group in self.groups:
-            documents |= {f"{group.prefix}{ABOUT}": _group({}), **group.paths()}
+            documents |= {f"{group.prefix}{schema.ABOUT}": _group({}), **group.paths()}
         parents = dict.fromkeys(path.rpartition("/")[0] for path in documents)
         documents |= {path: _group({}) for path in parents if path}
-        documents[ABOUT] = _group(facts)
+        documents[schema.ABOUT] = _group(facts)
         keys = {f"{path}/{ROOT}": document for path, document in documents.items()}
         root = _group(self.attributes) | {_CONSOLIDATED: _consolidated(documents)}
         return {ROOT: root} | keys
@@ -262,7 +254,7 @@ def _stored_facts(location: Path) -> Iterator[bytes]:
         yield read_file(location / FACTS, _MAX_BYTES)
     with suppress(*_WRONG_KIND):
         copies = _read_document(location, ROOT)[_CONSOLIDATED]["metadata"]
-        yield json.dumps(copies[ABOUT]).encode()
+        yield json.dumps(copies[schema.ABOUT]).encode()
 
 
 def _describe_content(location: Path) -> str:
@@ -289,11 +281,11 @@ def _parse(location: Path, content: bytes) -> Root:
         facts = json.loads(content)["attributes"]
         version, history = facts["format"], facts["history"]
         writer = [f"{line}" for line in history if f"{line}".startswith(WRITER_PREFIX)][-1]
-        is_intact = version == FORMAT and facts["digest"] == _digest(facts)
+        is_intact = version == schema.FORMAT and facts["digest"] == _digest(facts)
     except _WRONG_KIND as error:
         raise _damaged(location, f"{type(error).__name__} {error}") from error
-    if version != FORMAT:
-        reason = f"its format is {version!r:.20}, this version reads {FORMAT}"
+    if version != schema.FORMAT:
+        reason = f"its format is {version!r:.20}, this version reads {schema.FORMAT}"
         raise _of_other_version(location, writer, reason)
     if not is_intact:
         raise _damaged(location, "it is not what was written")
@@ -330,8 +322,8 @@ def _read_inputs(location: Path, sizes: dict[str, int], growths: int) -> dict[st
         return {}
     if (count := sum(sizes.values())) > MAX_INPUTS:
         raise InputError(f"it contains {count:.3g} numbers of the scene's files")
-    (variable,) = inputs_variable(sizes).values()
-    document = array_document(variable, {INPUT_DIM: count}, {}, growths)
-    array = open_arrays(location, {INPUTS: document})[INPUTS]
-    with read_errors(location, INPUTS):
-        return split_arrays(array[:], variable.attributes)
+    (variable,) = schema.inputs_variable(sizes).values()
+    document = array_document(variable, {schema.INPUT_DIM: count}, {}, growths)
+    array = open_arrays(location, {schema.INPUTS: document})[schema.INPUTS]
+    with read_errors(location, schema.INPUTS):
+        return schema.split_arrays(array[:], variable.attributes)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.store import schema
 from pipeline.store.arrays import Part, open_arrays, write_arrays
 from pipeline.store.layout import Group, Slices, block_at
 from pipeline.store.location import (
@@ -30,16 +31,6 @@ from pipeline.store.location import (
 )
 from pipeline.store.lock import Lock
 from pipeline.store.root import Root, read_root
-from pipeline.store.schema import (
-    DATA,
-    DONE,
-    FAILED,
-    FIELDS,
-    NOT_NEEDED,
-    PENDING,
-    is_of_points,
-    path_of,
-)
 from pipeline.sweep.case_table import LOAD_FACTOR, CaseName
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stored_steps import Fields
@@ -78,7 +69,7 @@ class Store:
             {label: number for number, label in enumerate(self.axes[dim])} for dim in self.dims
         ]
         self._stamp = self._read_stamp()
-        self.flags: NDArray[np.int8] = np.full(self.group.shape, PENDING, np.int8)
+        self.flags: NDArray[np.int8] = np.full(self.group.shape, schema.PENDING, np.int8)
         if not is_new:
             self._read_flags(may_be_damaged)
         self.groups = [self]
@@ -119,12 +110,12 @@ class Store:
 
     def pending(self) -> list[Point]:
         """Points that are needed, and neither done nor failed."""
-        return self.points_where(self.flags == PENDING)
+        return self.points_where(self.flags == schema.PENDING)
 
     def block_of(self, name: str) -> Index:
         """Number of points in a chunk of a variable, along each of its dimensions of points."""
         dims = self.group.variables[name].dims
-        return tuple(self.arrays[name].chunks[: sum(map(is_of_points, dims))])
+        return tuple(self.arrays[name].chunks[: sum(map(schema.is_of_points, dims))])
 
     # Reading
 
@@ -144,7 +135,7 @@ class Store:
         chunk = [part.start // n for part, n in zip(block, self.block_of(name), strict=False)]
         inner = [0] * (self.arrays[name].ndim - len(chunk))  # other dimensions are not split
         key = ".".join(map(str, ("c", *chunk, *inner)))
-        file = f"{self.group.prefix}{path_of(name)}/{key}"
+        file = f"{self.group.prefix}{schema.path_of(name)}/{key}"
         with suppress(DamagedError):
             values = self.read(name, block)
             if self.location == MEMORY or (self.location / file).is_file():
@@ -158,7 +149,7 @@ class Store:
         """Write the data of points, then their statuses, so that points that are done have data."""
         if records := [*records]:
             indices = np.array([self.index(record.point) for record in records])
-            states = [FAILED if record.data is None else DONE for record in records]
+            states = [schema.FAILED if record.data is None else schema.DONE for record in records]
             self.write(indices, self._columns(records), np.array(states, np.int8))
 
     def _columns(self, records: Sequence[PointRecord]) -> dict[str, list[Any]]:
@@ -170,7 +161,7 @@ class Store:
         }
         if any(tables):
             columns["steps"] = [len(table.get("max_rise", ())) for table in tables]
-            columns |= {name: [table.get(name) for table in tables] for name in DATA}
+            columns |= {name: [table.get(name) for table in tables] for name in schema.DATA}
         typed = {
             name: [
                 None if value is None else np.array(value, array.dtype, order="C")
@@ -195,15 +186,15 @@ class Store:
         `indices` has the index of each point, shape (n, n_dim). Values at steps are those of the
         last ones. A result is None at points without it.
         """
-        is_done = states == DONE
+        is_done = states == schema.DONE
         has_fields, parts = self.group.with_fields[tuple(indices.T)], list[Part]()
         for name, column in values.items():
             rows_by_chunk = defaultdict[Index, list[int]](list)
             variable_indices = self.group.point_indices(name, indices)
             for row, chunk in enumerate((variable_indices // self.block_of(name)).tolist()):
                 # A point that failed must not replace times that it shares with others.
-                has_value = name not in DATA or is_done[row]
-                if name in FIELDS:
+                has_value = name not in schema.DATA or is_done[row]
+                if name in schema.FIELDS:
                     has_value &= has_fields[row] and column[row] is not None
                 if has_value:
                     rows_by_chunk[tuple(chunk)].append(row)
@@ -223,8 +214,10 @@ class Store:
     ) -> Part:
         """Part for `write_arrays`: a chunk of a variable with new values at some indices."""
         array, block = self.arrays[name], block_at(chunk, self.block_of(name))
-        was_written = self.group.values_at(name, np.isin(self.flags, (DONE, FAILED)))[block]
-        if name not in FIELDS and was_written.any():
+        was_written = self.group.values_at(name, np.isin(self.flags, (schema.DONE, schema.FAILED)))[
+            block
+        ]
+        if name not in schema.FIELDS and was_written.any():
             values = self.read(name, block)
         else:  # the chunk has no results yet
             shape = was_written.shape + array.shape[len(block) :]
@@ -243,22 +236,24 @@ class Store:
 
     def forget(self, points: Iterable[Point]) -> None:
         """Mark points as pending, so that they are computed again."""
-        self.set_flags(np.where(self._mask(points), np.int8(PENDING), self.flags))
+        self.set_flags(np.where(self._mask(points), np.int8(schema.PENDING), self.flags))
 
     def need_only(self, points: Iterable[Point]) -> None:
         """Mark `points` as needed, and all others that are not done as not needed."""
         self.need(points := [*points])
-        is_unchanged = self._mask(points) | (self.flags == DONE)
-        self.set_flags(np.where(is_unchanged, self.flags, np.int8(NOT_NEEDED)))
+        is_unchanged = self._mask(points) | (self.flags == schema.DONE)
+        self.set_flags(np.where(is_unchanged, self.flags, np.int8(schema.NOT_NEEDED)))
 
     def need(self, points: Iterable[Point]) -> None:
         """Mark further points as needed."""
-        is_new = self._mask(points) & (self.flags == NOT_NEEDED)
-        self.set_flags(np.where(is_new, np.int8(PENDING), self.flags))
+        is_new = self._mask(points) & (self.flags == schema.NOT_NEEDED)
+        self.set_flags(np.where(is_new, np.int8(schema.PENDING), self.flags))
 
     def leave_out_pending(self) -> None:
         """Mark pending points as not needed, until `need` is called with them."""
-        self.set_flags(np.where(self.flags == PENDING, np.int8(NOT_NEEDED), self.flags))
+        self.set_flags(
+            np.where(self.flags == schema.PENDING, np.int8(schema.NOT_NEEDED), self.flags)
+        )
 
     def _mask(self, points: Iterable[Point]) -> Mask:
         """Mask of `points`, in the shape of `flags`."""
