@@ -24,11 +24,11 @@ from distributed import Client, Future, KilledWorker, as_completed
 from pipeline.answers.scene_wording import test_group_words
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import CANNOT, POLL, Watch
-from pipeline.run.work import CaseInputs, ExecutionError, simulate_point, unpack_result
+from pipeline.run.work import ExecutionError, pickled, simulate_point, unpack_result
 from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
 from pipeline.store.store import Store, Writer
 from pipeline.sweep.case_table import CaseName
-from pipeline.sweep.plan import PointRecord, Task, choose_stored_steps
+from pipeline.sweep.plan import CaseInputs, PointRecord, Task
 from pipeline.sweep.stored_steps import Fields
 from pipeline.sweep.sweep import Point
 
@@ -161,7 +161,6 @@ class _SubmittedTasks:
 
     def __init__(self, client: Client, store: Store) -> None:
         self._client, self._store = client, store
-        self._stored_steps = choose_stored_steps(store.sweep)
         self._cases: dict[tuple[str, Fields], bytes] = {}
         # Keys with a random name, as a scheduler may have tasks of other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
@@ -198,12 +197,10 @@ class _SubmittedTasks:
             self._ended.update(futures)
 
     def _case(self, name: CaseName) -> bytes:
-        sweep, fields = self._store.sweep, self._store.fields_of(name)
-        case = sweep.case(name)
-        key = sweep.scene_hashes[name], fields
+        sweep = self._store.sweep
+        key = sweep.scene_hashes[name], sweep.fields_of(name)
         if key not in self._cases:
-            new_case = CaseInputs(case.scene, self._stored_steps, fields, case.has_film)
-            self._cases[key] = new_case.pickled()
+            self._cases[key] = pickled(CaseInputs.from_sweep(sweep, name))
         return self._cases[key]
 
     def ended(self, processes: Mapping[str, str]) -> Iterator[tuple[_Job, bytes | None]]:

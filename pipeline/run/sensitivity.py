@@ -122,7 +122,7 @@ def _study_of(sweep: Sweep) -> Sweep:
         return replace(case, uncertainty=())  # whose points only a run adds
 
     sweep = replace(sweep, case_table=replace(sweep.case_table, load_factors=()))
-    return replace(sweep, tests=tests, steps="end", fields=False)._map_cases(certain)
+    return replace(sweep, tests=tests, steps="end", fields=False).map_cases(certain)
 
 
 def _row_at(sweep: Sweep, load: float | None, velocity: float | None) -> Point | None:

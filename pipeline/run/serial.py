@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.points import copy_points
 from pipeline.store.store import Store
-from pipeline.sweep.plan import PointRecord, choose_stored_steps, run_point
+from pipeline.sweep.plan import CaseInputs, PointRecord
 from pipeline.sweep.sweep import Point
 from tribo import TriboError
 
@@ -26,17 +26,10 @@ def run_serial(
     todo = [*tests, *((store, point) for point in points)]
     for number, (group, point) in enumerate(todo, 1):
         try:
-            record = _simulate(group, point)
+            record = CaseInputs.from_sweep(group.sweep, point.case).simulate(point)
         except TriboError as error:
             if point in points[:1]:
                 raise
             record = PointRecord(point, None, str(error))
         group.commit([record])
         report(Progress(done=number, total=len(todo)))
-
-
-def _simulate(store: Store, point: Point) -> PointRecord:
-    case, fields = store.sweep.case(point.case), store.fields_of(point.case)
-    stored_steps = choose_stored_steps(store.sweep)
-    result = run_point(case.scene, stored_steps, point, with_film=case.has_film, fields=fields)
-    return result.record(bool(fields))

@@ -14,7 +14,6 @@ import pickle
 import sys
 import threading
 import zlib
-from dataclasses import dataclass
 from pathlib import Path
 from platform import python_version
 from typing import NamedTuple
@@ -23,11 +22,10 @@ import cloudpickle
 import numpy as np
 import scipy
 
-from pipeline.sweep.plan import PointRecord, run_point
-from pipeline.sweep.stored_steps import Fields, StoredSteps
+from pipeline.sweep.plan import CaseInputs, PointRecord
 from pipeline.sweep.sweep import Point
 from pipeline.sweep.user_laws import UserObject
-from tribo import Scene, TriboError
+from tribo import TriboError
 from tribo.simulation import RampCache
 
 
@@ -77,25 +75,16 @@ def program() -> Program:
     return PROGRAM
 
 
-@dataclass(frozen=True, slots=True)
-class CaseInputs:
-    """Common data of the points of a scene: the scene, and the variables to record."""
+def pickled(inputs: CaseInputs) -> bytes:
+    """The inputs of a case as bytes, which a scan of a surface may fill with megabytes.
 
-    scene: Scene
-    stored_steps: StoredSteps
-    fields: Fields
-    with_film: bool
-
-    def pickled(self) -> bytes:
-        """The case as bytes, which a scan of a surface may fill with megabytes.
-
-        They contain the code of a user's wear law or surface, which workers need not have.
-        """
-        for part in (self.scene.wear, self.scene.roughness):
-            if isinstance(part, UserObject):
-                for package in part.packages:
-                    cloudpickle.register_pickle_by_value(sys.modules[package])
-        return zlib.compress(cloudpickle.dumps(self), level=1)
+    They contain the code of a user's wear law or surface, which workers need not have.
+    """
+    for part in (inputs.scene.wear, inputs.scene.roughness):
+        if isinstance(part, UserObject):
+            for package in part.packages:
+                cloudpickle.register_pickle_by_value(sys.modules[package])
+    return zlib.compress(cloudpickle.dumps(inputs), level=1)
 
 
 @functools.lru_cache(maxsize=64)
@@ -115,16 +104,7 @@ def simulate_point(case: bytes, point: Point) -> bytes:
     """
     with _simulation_lock:
         try:
-            inputs = _unpickle_case(case)
-            result = run_point(
-                inputs.scene,
-                inputs.stored_steps,
-                point,
-                _ramps,
-                with_film=inputs.with_film,
-                fields=inputs.fields,
-            )
-            record = result.record(bool(inputs.fields))
+            record = _unpickle_case(case).simulate(point, _ramps)
         except Exception as error:
             record = PointRecord(point, None, f"{type(error).__name__}: {error}")
         # Dask would send each array by itself, which took the driver 2 ms a point.

@@ -31,9 +31,8 @@ from pipeline.store.location import (
 )
 from pipeline.store.lock import Lock
 from pipeline.store.root import Root, read_root
-from pipeline.sweep.case_table import LOAD_FACTOR, CaseName
+from pipeline.sweep.case_table import LOAD_FACTOR
 from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.stored_steps import Fields
 from pipeline.sweep.sweep import Point
 from tribo.types import Indices, Mask
 
@@ -91,10 +90,6 @@ class Store:
         return None
 
     # Indices of points
-
-    def fields_of(self, case: CaseName) -> Fields:
-        """Which fields of the points of a case are stored."""
-        return self.sweep.fields if {*self.sweep.surface_with_fields} <= {*case} else False
 
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""

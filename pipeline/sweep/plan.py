@@ -12,13 +12,13 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.sweep.case import TEST, Case, Conditions
-from pipeline.sweep.case_table import PLACE_UNITS, CaseTable, Column
+from pipeline.sweep.case_table import PLACE_UNITS, CaseName, CaseTable, Column
 from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluated
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures
@@ -292,6 +292,30 @@ def _fields_of(state: State, shape: tuple[int, int]) -> dict[str, Array]:
         return fields
     blocks = (shape[0], -1, shape[1], pressure.shape[1] // shape[1])
     return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class CaseInputs:
+    """Common data of the points of a case: the scene, and what to record."""
+
+    scene: Scene
+    stored_steps: StoredSteps
+    fields: Fields
+    with_film: bool
+
+    @classmethod
+    def from_sweep(cls, sweep: Sweep, name: CaseName) -> Self:
+        """Inputs of the case of a name."""
+        case = sweep.case(name)
+        return cls(case.scene, choose_stored_steps(sweep), sweep.fields_of(name), case.has_film)
+
+    def simulate(self, point: Point, ramp_cache: RampCache | None = None) -> PointRecord:
+        """Simulate a point of the case, and return its record for a store."""
+        result = run_point(
+            self.scene, self.stored_steps, point, ramp_cache,
+            with_film=self.with_film, fields=self.fields,
+        )  # fmt: skip
+        return result.record(bool(self.fields))
 
 
 def choose_stored_steps(sweep: Sweep) -> StoredSteps:

@@ -212,9 +212,13 @@ class Sweep:
             if column.is_seed
         )
 
-    def single_case(self, name: CaseName = ()) -> Self:
-        """The sweep of one case, by default of the scene itself."""
-        case = replace(self.case(name), name=())
+    def fields_of(self, name: CaseName) -> Fields:
+        """Which fields of the points of a case are stored."""
+        return self.fields if {*self.surface_with_fields} <= {*name} else False
+
+    def single_case(self) -> Self:
+        """The sweep of the scene itself, without its cases."""
+        case = replace(self.base, name=())
         return replace(self, base=case, cases=(case,), case_table=CaseTable())
 
     def select_case(self, name: CaseName) -> Self:
@@ -287,16 +291,16 @@ class Sweep:
         notes = [
             f"# {TABLE_OF_PART[name]} is replaced by {part!r}\n" for name, part in stored.items()
         ]
-        sweep = self._map_cases(lambda case: replace(case, scene=replace(case.scene, **stored)))
+        sweep = self.map_cases(lambda case: replace(case, scene=replace(case.scene, **stored)))
         if source := self.source:
             source = replace(source, user_parts={**source.user_parts, **parts})
         return replace(sweep, text="".join([*notes, self.text]), source=source)
 
     def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
         """The sweep with other numerical choices of all cases; `preset` is their name, or None."""
-        return self._map_cases(lambda case: case.with_fidelity(fidelity, preset))
+        return self.map_cases(lambda case: case.with_fidelity(fidelity, preset))
 
-    def _map_cases(self, change: Callable[[Case], Case]) -> Self:
+    def map_cases(self, change: Callable[[Case], Case]) -> Self:
         """The sweep with each case changed, also those of tests."""
         base, *cases = map(change, (self.base, *self.cases))
         tests = tuple(replace(test, case=change(test.case)) for test in self.tests)

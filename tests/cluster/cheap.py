@@ -23,8 +23,8 @@ from distributed import Client, as_completed
 
 import pipeline
 from pipeline.run.cluster import CONFIGURATION, processes
-from pipeline.run.work import CaseInputs
-from pipeline.sweep.plan import choose_stored_steps
+from pipeline.run.work import pickled
+from pipeline.sweep.plan import CaseInputs, choose_stored_steps
 
 _LOADS, _WORKERS, _AT_ONCE = 10, 2, 16
 RANDOM = "ra", "hurst_exponent", "correlation_length", "seed"
@@ -69,7 +69,7 @@ def scene_of(points, scan=0, folder=Path()):
 def carried(sweep):
     """What a task carries of its case."""
     case = sweep.base
-    return CaseInputs(case.scene, choose_stored_steps(sweep), False, case.has_film).pickled()
+    return pickled(CaseInputs(case.scene, choose_stored_steps(sweep), False, case.has_film))
 
 
 def timed(client, compute):

@@ -12,11 +12,11 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from unittest import mock
 
-from pipeline import ExecutionError, StoreError
+from pipeline import ExecutionError, StoreError, paths
 from pipeline.cli import main as irg
 from pipeline.run import run_sweep as running
 from pipeline.run.drive import Tally
-from pipeline.store import create, files
+from pipeline.store import create
 from pipeline.store import store as write
 from pipeline.store.location import NEW, OLD, sibling
 from pipeline.store.store import Store, Writer
@@ -97,7 +97,7 @@ def _status_first():
 
 
 def _unsynced():
-    return mock.patch.object(files.os, "fsync")
+    return mock.patch.object(paths.os, "fsync")
 
 
 def _deleted():

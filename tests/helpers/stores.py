@@ -11,8 +11,9 @@ from contextlib import contextmanager, suppress
 import numpy as np
 import xarray as xr
 
+from pipeline import paths
 from pipeline.run.serial import run_serial
-from pipeline.store import files, root
+from pipeline.store import root
 from pipeline.store.create import writing
 from pipeline.store.location import LOCK, ROOT
 from pipeline.store.schema import DONE, ENDS
@@ -124,18 +125,18 @@ def assert_is_as_computed(path, expected):
 @contextmanager
 def killed_after(monkeypatch, count):
     """Context: kill the process after it has replaced `count` files; yields [True] if killed."""
-    replace, lock, left, was_killed = files.write_file, threading.Lock(), [count], []
+    replace, lock, left, was_killed = paths.write_file, threading.Lock(), [count], []
 
     def replace_some(file, content):
         with lock:
             left[0] -= 1
         if left[0] < 0:
-            file.with_name(file.name + files.PARTIAL).write_bytes(content[: len(content) // 2])
+            file.with_name(file.name + paths.PARTIAL).write_bytes(content[: len(content) // 2])
             raise Killed
         replace(file, content)
 
     with monkeypatch.context() as patch:
-        patch.setattr(files, "write_file", replace_some)
+        patch.setattr(paths, "write_file", replace_some)
         try:
             yield was_killed
         except Killed:

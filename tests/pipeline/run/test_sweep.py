@@ -15,9 +15,9 @@ import xarray as xr
 
 import pipeline
 import tribo
-from pipeline import StoreError, StoreMismatchError, run_sweep, summary, verify_store
+from pipeline import StoreError, StoreMismatchError, paths, run_sweep, summary, verify_store
 from pipeline.run import run_sweep as execute
-from pipeline.store import create, files
+from pipeline.store import create
 from pipeline.store.create import writing
 from pipeline.store.schema import COLUMNS, DONE, FIELDS
 from pipeline.store.status import FailedPoint
@@ -131,10 +131,10 @@ def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, monkeypatc
             raise OSError(errno.ENOSPC, "No space left on device")
         written(file, content)
 
-    written = files.write_file
+    written = paths.write_file
     slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0), velocities=(1.0,))
     with monkeypatch.context() as patch:
-        patch.setattr(files, "write_file", full)
+        patch.setattr(paths, "write_file", full)
         with pytest.raises(StoreError, match=r"cannot be written: No space left .*are saved"):
             run_sweep(slow, path, workers=1)
     assert 1 <= summary(path).done < 3

@@ -166,7 +166,7 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
     axes = {"loads": (150.0,), "velocities": (0.5,)}
     sweep = tiny.full(**axes, **{"case_table": surface_table(seeds)} if seeds else {})
     with writing(path, sweep) as store:
-        fields = [(point, store.fields_of(point.case) is True) for point in points(sweep)]
+        fields = [(point, store.sweep.fields_of(point.case) is True) for point in points(sweep)]
         store.commit(
             run_point(sweep, point).record(with_fields=has_fields) for point, has_fields in fields
         )
@@ -177,7 +177,7 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
     assert open_sweep(path).load().drop_attrs().equals(before.drop_attrs())
     with writing(path, more) as store:
         assert len(store.pending()) == 3 - len(fields)
-        assert not any(store.fields_of(point.case) for point in store.pending())
+        assert not any(store.sweep.fields_of(point.case) for point in store.pending())
         rest = [run_point(more, point).record(with_fields=False) for point in store.pending()]
         store.commit(rest)
     ds = open_sweep(path)
