@@ -164,13 +164,13 @@ def test_boundary_figure_and_margin_draw_one_line(margin_case, irg):
     known = along["log_rise_ratio"].notnull()
     for variable in ("critical_velocity", "outcome_along_velocity"):
         same(along[variable].where(known), boundary[variable].where(known).transpose(*along.dims))
-    half = boundary["critical_velocity_p50"]
-    probability = pipeline.margin(ds, half["load"], half)["probability"]
-    assert (abs(probability.dropna("load") - 0.5) < 1e-6).all()
-    for verdict, code in (("mild", MILD), ("severe", SEVERE)):
-        limit = boundary[f"{verdict}_velocity"]
-        verdicts = pipeline.margin(ds, limit["load"], limit)["verdict"]
-        assert (verdicts == code).where(limit.notnull(), True).all()
+    names = "critical_velocity_p50", "mild_velocity", "severe_velocity"
+    half, mild, severe = lines = [boundary[name].drop_attrs().rename("velocity") for name in names]
+    beside = pipeline.margin(ds, boundary["load"], xr.concat(lines, "line"))
+    is_half = abs(beside["probability"].isel(line=0) - 0.5) < 1e-6
+    assert is_half.where(half.notnull(), True).all()
+    for k, (limit, code) in enumerate(((mild, MILD), (severe, SEVERE)), 1):
+        assert (beside["verdict"].isel(line=k) == code).where(limit.notnull(), True).all()
 
 
 def test_every_door_names_the_test_that_limits_the_boundary(monkeypatch, irg, undrawn):
@@ -284,6 +284,16 @@ def plane():
     return synthetic.sweep(**SMALL)
 
 
+@functools.cache
+def usual_probability():
+    return pipeline.margin(plane(), 400.0, 2.0)["probability"].item()
+
+
+@functools.cache
+def usual_boundary():
+    return pipeline.boundary(plane())["critical_velocity"]
+
+
 def with_unit(value, unit, **attributes):
     return xr.DataArray(value, attrs={"units": unit, **attributes})
 
@@ -298,16 +308,9 @@ def with_unit(value, unit, **attributes):
     ],
 )
 def test_values_are_taken_with_their_units_by_every_door(load, conditions):
-    usual = pipeline.margin(plane(), 400.0, 2.0)["probability"].item()
-    probability = pipeline.margin(plane(), load, "2 m/s", **conditions)[
-        "probability"
-    ].values.ravel()
-    same(probability, np.full(probability.shape, usual))
-    critical = [
-        pipeline.boundary(plane(), **overrides)["critical_velocity"]
-        for overrides in ({}, conditions)
-    ]
-    same(*critical)
+    probability = pipeline.margin(plane(), load, "2 m/s", **conditions)["probability"]
+    same(probability, np.full(probability.shape, usual_probability()))
+    same(usual_boundary(), pipeline.boundary(plane(), **conditions)["critical_velocity"])
 
 
 REFUSED = {  # load and velocity, conditions, message
