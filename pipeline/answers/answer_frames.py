@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from pipeline.answers.answer_dataset import ATTRIBUTES
 from pipeline.answers.condition_values import PAIRS
-from pipeline.answers.scene_wording import usual_unit, value_words
-from pipeline.answers.value_text import (
-    code_text,
-    error_of,
-    flag_names,
-    format_error,
-    format_limit,
-    format_value,
-    line_sides,
-    load_factor_texts,
-    probability_text,
-)
+from pipeline.answers.scene_wording import value_words
+from pipeline.answers.value_text import code_text, flag_names
+from pipeline.answers.variable_texts import printed_unit, variable_texts
 from pipeline.condition_kinds import CONDITIONS
 from pipeline.frames import cell_text, frame_of, without_columns
 from pipeline.store.schema import PLANE
@@ -33,12 +22,6 @@ _MARGIN_VARIABLES = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
     "friction_safety_factor", "velocity_safety_factor", "load_safety_factor",
 )  # fmt: skip
-_WITH_ERROR_DIGITS = re.compile(
-    "critical_(velocity|load|friction)(_p50)?|(governing|end)_temperature|temperature_margin"
-)
-"""Variables whose digits depend on the numerical error."""
-_LIMIT = re.compile("(mild|severe)_(velocity|load|friction)|.*_safety_factor")
-"""Limits and safety factors, which are rounded to the side of their verdict."""
 _TYPED_DIGITS = 6  # of loads, velocities, conditions and entries
 _NUMBER_STARTS = tuple("0123456789+-−.")
 _HEADINGS = {
@@ -132,31 +115,8 @@ def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
         names.insert(names.index("governing_temperature") + 1, "end_temperature")
     if "mild_load_factor" in answer:  # in place of the factors along lines of a plane
         names[-2:] = ["mild_load_factor"]
-        texts = answer["mild_load_factor"].copy(data=load_factor_texts(answer))
-        answer = answer.assign(mild_load_factor=texts)
-    frame = _rounded_frame(answer, *user_columns, *names)
-    frame["probability"] = [
-        None if np.isnan(p) else probability_text(p) for p in frame["probability"]
-    ]
-    for axis in PLANE:
-        heading = _heading(f"{axis}_safety_factor", answer)
-        if heading not in frame or "valid_range" not in answer[f"mild_{axis}"].attrs:
-            continue  # rows, each with its own range
-        low, high = answer[f"mild_{axis}"].attrs["valid_range"]
-        ends = answer.assign(low=low / answer[axis], high=high / answer[axis])
-        columns = answer_frame(ends, f"mild_{axis}_side", "low", "high").iloc[:, -3:]
-        frame[heading] = [
-            _factor_outside(*row) if pd.isna(cell) else cell
-            for cell, row in zip(frame[heading], columns.itertuples(index=False), strict=True)
-        ]
+    frame = _reader_frame(answer, *user_columns, *names)
     return without_columns(frame, [CASE] if user_columns and CASE in answer.sizes else [])
-
-
-def _factor_outside(side: str, low: float, high: float) -> str | None:
-    """Safety factor of a mild limit outside the sweep; its ends have the factors `low`, `high`."""
-    if side == "above":
-        return f"above {format_limit(high)}"
-    return f"below {format_limit(low, is_mild=False)}" if side == "below" else None
 
 
 def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:
@@ -165,7 +125,7 @@ def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:
     A transition with a step has the rises at both of its ends.
     """
     names = [str(name) for name in comparison if not str(name).startswith("log_rise_ratio")]
-    frame = answer_frame(comparison, *names)
+    frame = _reader_frame(comparison, *names)
     ends = np.stack([comparison[f"log_rise_ratio_{end}"].values for end in ("mild", "severe")])
     percents = [
         " to ".join(dict.fromkeys(f"{100 * np.exp(y):.0f}" for y in pair[np.isfinite(pair)]))
@@ -173,16 +133,7 @@ def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:
     ]
     position = [*frame].index("governing temperature [°C]") + 1
     frame.insert(position, _COMPUTED_RISE, [text or None for text in percents])
-    heading = "governing temperature [°C]"  # to 1 K, since its error is larger
-    frame[heading] = [None if np.isnan(x) else f"{x:.0f}" for x in frame[heading]]
-    heading = _heading("loo_probability", comparison)
-    frame[heading] = [None if np.isnan(x) else probability_text(x) for x in frame[heading]]
-    return frame.apply(_typed_texts)
-
-
-def _typed_texts(values: pd.Series) -> list[str | None]:
-    """Values that a person typed as text, with all of their digits."""
-    return [None if pd.isna(value) else cell_text(value, _TYPED_DIGITS) for value in values]
+    return frame
 
 
 def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
@@ -200,67 +151,29 @@ def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
     if not has_counted_tests(answer):
         del headings["critical_velocity_p50"]
     names = [name for name in headings if name in answer and by in answer[name].dims]
-    frame = _rounded_frame(answer, *names)
-    codes = f"mild_{axis}_side", f"severe_{axis}_side", f"outcome_along_{axis}"
-    lines = answer_frame(answer, *codes).iloc[:, -3:].itertuples(index=False, name=None)
-    low, high = answer[f"mild_{axis}"].attrs["valid_range"]
-    words = {"below": f"below {low:g}", "above": f"above {high:g}", "outside the model": "outside"}
-    sides = pd.DataFrame([line_sides(*line) for line in lines])
-    for name in names:
-        heading, kind = _heading(name, answer), name.removesuffix(f"_{axis}")
-        if kind in sides:
-            cells = zip(frame[heading], sides[kind], strict=True)
-            frame[heading] = [
-                words.get(side, side) if pd.isna(cell) else cell for cell, side in cells
-            ]
-        elif name.startswith("film"):
-            frame[heading] = [None if np.isnan(film) else f"{film:.2g}" for film in frame[heading]]
-        unit = heading.partition(" [")
-        frame = frame.rename(columns={heading: "".join((headings[name], *unit[1:]))})
-    return frame
+    short = {_heading(k, answer): _heading(k, answer, headings[k]) for k in names}
+    return _reader_frame(answer, *names).rename(columns=short)
 
 
-def _rounded_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
+def _reader_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
     """`answer_frame` for a reader: numbers as text.
 
     Results have the digits that their errors allow, and what a person typed has all of its digits.
     """
-    name_of_error = {
-        f"error {k}": name for k, name in enumerate(names) if _WITH_ERROR_DIGITS.fullmatch(name)
-    }
-    error_arrays = {column: error_of(answer, name) for column, name in name_of_error.items()}
-    error_columns = {column: (array.dims, array.values) for column, array in error_arrays.items()}
-    frame = answer_frame(answer.assign(error_columns), *names, *error_columns)
-    for name in {*map(str, answer.sizes), *PLANE, *_user_columns(answer)}:
-        if (heading := _heading(name, answer)) in frame:
-            frame[heading] = _typed_texts(frame[heading])
-    for column, name in name_of_error.items():
-        heading = _heading(name, answer)
-        pairs = zip(frame[heading], frame.pop(column), strict=True)
-        frame[heading] = [format_value(value, error) or None for value, error in pairs]
-    for name in names:
-        heading = _heading(name, answer)
-        if _LIMIT.fullmatch(name):
-            is_mild = not name.startswith("severe")
-            frame[heading] = [format_limit(limit, is_mild) or None for limit in frame[heading]]
-        elif name.endswith("_error") or "_error_" in name:
-            frame[heading] = [format_error(error) or None for error in frame[heading]]
-    return frame
+    texts = {name: variable_texts(answer, name) for name in names}
+    return answer_frame(answer.assign(texts), *names).apply(_typed_texts)
 
 
-def _heading(name: str, answer: xr.Dataset) -> str:
-    unit = answer[name].attrs.get("units", "") if name in answer.variables else ""
-    is_error = "error" in name or name == "temperature_margin"
-    has_display_unit = "display_unit" in answer[name].attrs if name in answer.variables else False
-    if unit and (has_display_unit or (name in answer.dims and name not in PLANE)):
-        unit = usual_unit(answer[name])
-    if unit == "K" and not is_error:
-        unit = "°C"
-    if unit == "1":
-        unit = "%" if is_error else ""
-    title = _HEADINGS.get(name, name.replace("_", " "))
+def _typed_texts(values: pd.Series) -> list[str | None]:
+    """Values that a person typed as text, with all of their digits; None for empty ones."""
+    return [None if pd.isna(value) else cell_text(value, _TYPED_DIGITS) or None for value in values]
+
+
+def _heading(name: str, answer: xr.Dataset, title: str = "") -> str:
+    title = title or _HEADINGS.get(name, name.replace("_", " "))
     if name in ("mild_velocity", "mild_load") and "temperature_error" in answer:
         title = name.replace("_", " ")  # margins have both
+    unit = printed_unit(answer, name) if name in answer.variables else ""
     return f"{title} [{unit}]" if unit else title
 
 

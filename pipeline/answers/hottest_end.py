@@ -5,13 +5,11 @@ Verdicts are of the whole pin. A pin that is mild as a whole may be severe at an
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.quantities import display, in_unit
 from pipeline.sweep.case import known_critical_temperature
 from tribo.thermal.quantiles import rise_exceeded
 from tribo.types import Array
@@ -49,24 +47,3 @@ def is_severe_at_end(points: xr.Dataset) -> xr.DataArray:
     margins = points["temperature_margin"]
     end_margins = points["governing_temperature"] + margins - points["end_temperature"]
     return (margins > 0) & (end_margins < 0)
-
-
-def end_text(point: xr.Dataset) -> str:
-    """The temperature at the hottest end of the pin of one point; empty if it is unknown."""
-    if "end_temperature" not in point or point["end_temperature"].isnull().item():
-        return ""
-    temperature = point["end_temperature"].item()
-    excess = temperature - point["governing_temperature"].item()
-    side = "above" if excess >= 0 else "below"
-    return f"{in_unit(temperature, '°C'):.4g} °C, {abs(excess):.2g} K {side} the whole pin"
-
-
-def end_lines(boundary: xr.Dataset) -> Iterator[str]:
-    """Line on the hottest end of the pin on a boundary; none without a temperature there."""
-    if "end_temperature" not in boundary or boundary["end_temperature"].isnull().all():
-        return
-    temperatures = boundary["end_temperature"]
-    ends = (display(end.item(), "°C", 3) for end in (temperatures.min(), temperatures.max()))
-    yield (
-        f"on the boundary of the whole pin, its hottest end has {' to '.join(dict.fromkeys(ends))}"
-    )

@@ -14,7 +14,7 @@ import xarray as xr
 from pipeline.answers.answer_frames import row_labels
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.scene_wording import named_value
-from pipeline.answers.value_text import load_factor_texts
+from pipeline.answers.variable_texts import variable_texts
 from pipeline.answers.verdict_limits import Side, round_to
 from pipeline.sweep.case_table import CASE
 
@@ -65,7 +65,8 @@ def load_factor_lines(margins: xr.Dataset) -> Iterator[str]:
 
 def _load_factor_line(rows: xr.Dataset, conditions: str) -> str:
     """Line on the mild load factor of one row, or on the smallest of several."""
-    texts, unchanged = load_factor_texts(rows), "at unchanged bulk temperature and friction"
+    texts = variable_texts(rows, "mild_load_factor").values
+    unchanged = "at unchanged bulk temperature and friction"
     if not rows.sizes:
         return f"mild load factor{conditions}: {texts.item()}, {unchanged}"
     if not rows["governs"].any():

@@ -12,22 +12,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.constants import MIN_STATED_PROBABILITY, RISE_EXPONENT
+from pipeline.constants import MIN_STATED_PROBABILITY
+from tribo.types import Array
 
 OUTSIDE = (
     "outside the model: the oil film carries more than 20 % of the load, and wear may be severe"
 )
-LINE_OUTCOMES = {
-    "mild": "mild over the whole sweep",
-    "severe": "severe over the whole sweep",
-    "outside the model": OUTSIDE,
-}
-"""Sentences on lines without a critical value."""
 _SEPARATOR = " | "  # since sentences have semicolons
 _MAX_DIGITS = 4  # significant digits, however small the error is
 _DIGITS_WITHOUT_ERROR = 3  # significant digits if the error is unknown
-_TEMPERATURES = "governing_temperature", "temperature_margin", "end_temperature"
-"""Variables whose error is that of the governing temperature."""
 
 
 def code_text(variable: xr.DataArray) -> Any:
@@ -66,11 +59,13 @@ def attribute_texts(answer: xr.Dataset, name: str) -> list[str]:
 
 
 def probability_text(probability: float, round_percent: Callable[[float], float] = round) -> str:
-    """A probability as text: a percentage of two digits, or "less than 1 %".
+    """A probability as text: a percentage of two digits, or "less than 1 %"; empty if unknown.
 
     The ends of a range are rounded outward, by `math.floor` and `math.ceil`, so that an end that
     is printed as 95 % decides a verdict as 95 % does.
     """
+    if math.isnan(probability):
+        return ""
     if probability < MIN_STATED_PROBABILITY:
         return f"less than {100 * MIN_STATED_PROBABILITY:g} %"
     if probability > 1 - MIN_STATED_PROBABILITY:
@@ -126,59 +121,6 @@ def format_limit(value: float, is_mild: bool = True, digits: int = 3) -> str:
     return f"{rounded_parts / scale:.{max(-last, 0)}f}"
 
 
-def load_factor_texts(margins: xr.Dataset) -> Any:
-    """Mild load factors as texts, such as "0.49", "less than 0.5" and "at least 1.25"."""
-    low, high = margins["mild_load_factor"].attrs["valid_range"]
-    words = {"below": f"less than {low:.4g}", "above": f"at least {high:.4g}"}
-    factors, sides = margins["mild_load_factor"].values, code_text(margins["mild_load_factor_side"])
-    texts = [
-        format_limit(factor) if math.isfinite(factor) else words.get(side, side)
-        for factor, side in zip(factors.ravel(), np.ravel(sides), strict=True)
-    ]
-    return np.array(texts, object).reshape(factors.shape)
-
-
-def line_sides(mild: str, severe: str, outcome: str) -> dict[str, str]:
-    """Where the values of a boundary lie on one line, if they are not inside the sweep.
-
-    `mild` and `severe` are the sides of both limits, and `outcome` is the computed one. The
-    boundary with tests lies between the limits.
-
-    Examples
-    --------
-    >>> line_sides("inside", "above", "mild")["critical_velocity_p50"]
-    'above'
-    """
-    outside = outcome if outcome == "outside the model" else "unknown"
-    with_tests = {("inside", "above"): "above", ("above", "above"): "above"} | {
-        ("below", "inside"): "below", ("below", "below"): "below"
-    }  # fmt: skip
-    return {
-        "mild": mild,
-        "critical": {"mild": "above", "severe": "below"}.get(outcome, outside),
-        "critical_velocity_p50": with_tests.get((mild, severe), outside),
-        "severe": severe,
-    }
-
-
-def error_of(answer: xr.Dataset, name: str) -> xr.DataArray:
-    """Numerical error of a variable of an answer, in the variable's unit; NaN if unknown.
-
-    It is the error of the temperature rise, or that of the critical velocity.
-    """
-    values = abs(answer[name])
-    if "temperature_error" not in answer:
-        relative = answer["velocity_error"]
-        is_along_velocity = "velocity" in values.dims and "load" in relative.dims
-        return values * (relative.max("load") if is_along_velocity else relative)
-    if name in _TEMPERATURES:
-        return answer["temperature_error"]
-    rise = answer["governing_temperature"] - answer["bulk_temperature"]
-    relative = answer["temperature_error"] / rise.where(rise > 0)
-    is_friction = name == "critical_friction"  # inversely proportional to the rise
-    return values * (relative if is_friction else relative / RISE_EXPONENT)
-
-
-def format_variable(answer: xr.Dataset, name: str, offset: float = 0.0) -> str:
-    """Write a single value of an answer, plus `offset`, with the digits that its error allows."""
-    return format_value(answer[name].item() + offset, error_of(answer, name).item())
+def range_text(values: Array, write: Callable[[float], str]) -> str:
+    """The least and the largest of several values as text, such as "2 to 3"."""
+    return " to ".join(dict.fromkeys(map(write, (np.nanmin(values), np.nanmax(values)))))

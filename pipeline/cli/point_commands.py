@@ -11,9 +11,8 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers.answer_frames import answer_frame, comparison_frame, complete_frame
-from pipeline.answers.answer_lines import common_lines
 from pipeline.answers.condition_values import override_conditions
-from pipeline.answers.point_text import margin_lines
+from pipeline.answers.facts import NOTES, fact_lines, point_lines
 from pipeline.answers.results import sweep_of
 from pipeline.answers.value_text import format_value, join_texts, split_texts
 from pipeline.answers.verdict_model import omission_of_tests
@@ -81,10 +80,10 @@ def point(options: argparse.Namespace) -> Result:
         notes = join_texts(split_texts([omission, margins.attrs["notes"]]))
         margins = margins.assign_attrs(notes=notes)
         text = [
-            *margin_lines(margins, has_ends=False),
+            *point_lines(margins, has_ends=False),
             f"only {lower:.4g}, {velocity:.4g} and {higher:.4g} m/s were simulated at this load; "
             f"for limits beyond them: irg run {typed_name(sweep.name)}",
-            *common_lines(margins),
+            *fact_lines(margins, *NOTES),
         ]
         frame = complete_frame(margins).join(contact)
     warnings = pipeline.points_with_warnings(ds).lines()
@@ -141,7 +140,8 @@ def infer(options: argparse.Namespace) -> Result:
         )
     frame = answer_frame(tests)
     validity = _MODEL.format(values.attrs["model"])
-    text = [finding, validity, "", without_columns(comparison_frame(tests)), *common_lines(tests)]
+    table = without_columns(comparison_frame(tests))
+    text = [finding, validity, "", table, *fact_lines(tests, *NOTES)]
     result["model"] = values.attrs["model"]
     return Result({**result, "tests": records([frame])}, wrapped(text), frames=[frame])
 

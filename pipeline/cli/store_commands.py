@@ -19,19 +19,8 @@ from pipeline.answers.answer_frames import (
     complete_frame,
     margin_frame,
 )
-from pipeline.answers.answer_lines import (
-    common_lines,
-    conditions_lines,
-    contact_warnings,
-    model_error_line,
-    not_included_lines,
-    reason_lines,
-    uncertain_inputs_lines,
-)
-from pipeline.answers.boundary_text import boundary_lines
 from pipeline.answers.error import preset_error_text
-from pipeline.answers.load_factors import load_factor_lines
-from pipeline.answers.point_text import margin_lines
+from pipeline.answers.facts import HEAD, NOTES, fact_lines, other_lines, point_lines
 from pipeline.answers.scene_wording import named_value, test_group_words
 from pipeline.answers.value_text import code_text
 from pipeline.answers.verdict_model import UNKNOWN
@@ -118,8 +107,8 @@ def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
         point = margins.isel(dict(zip(margins.sizes, index, strict=True)))
         if index:
             lines.append(f"{', '.join(named_value(point[dim]) for dim in margins.sizes)}:")
-        lines += margin_lines(point)
-    return [*lines, *common_lines(margins)]
+        lines += point_lines(point)
+    return [*lines, *fact_lines(margins, *NOTES)]
 
 
 def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame]:
@@ -133,21 +122,12 @@ def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame
             hint = [f"{len(frame) - _MAX_ROWS} more rows: use --all, or -o TABLE.csv"]
         numbers = answer_frame(margins, "temperature_margin")
         frame = frame.loc[numbers.sort_values("temperature margin [K]").index].head(_MAX_ROWS)
-    return [
-        f"{total}: {count_of_each}",
-        *load_factor_lines(margins),
-        *conditions_lines(margins),
-        *not_included_lines(margins),
-        "",
-        frame,
-        "",
-        *hint,
-        *reason_lines(margins),
-        *contact_warnings(margins),
-        model_error_line(margins),
-        *uncertain_inputs_lines(margins),
-        *common_lines(margins),
-    ]
+    return [f"{total}: {count_of_each}", *_table_text(margins, frame, *hint)]
+
+
+def _table_text(answer: xr.Dataset, table: pd.DataFrame, *hint: str) -> list[str | pd.DataFrame]:
+    """A table of an answer, with a hint on it, and the facts of the answer."""
+    return [*fact_lines(answer, *HEAD), "", table, "", *hint, *other_lines(answer, HEAD)]
 
 
 def boundary(options: argparse.Namespace) -> Result:
@@ -159,11 +139,11 @@ def boundary(options: argparse.Namespace) -> Result:
         if not results.sizes["test"]:
             raise InputError("the scene has no tests; add [[tests]] to it")
         table = without_columns(comparison_frame(results))
-        text = ["tests, each at its own conditions", table, *common_lines(results)]
+        text = ["tests, each at its own conditions", table, *fact_lines(results, *NOTES)]
         frame = complete_frame(results)
     else:
         results = pipeline.boundary(ds, **conditions)
-        text = [*boundary_text(results, options.by), *common_lines(results)]
+        text = boundary_text(results, options.by)
         names = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
         frame = complete_frame(results, *names)
     text += pipeline.points_with_warnings(ds).lines()
@@ -173,7 +153,7 @@ def boundary(options: argparse.Namespace) -> Result:
 def boundary_text(boundary: xr.Dataset, by: str = "load") -> list[str | pd.DataFrame]:
     """The table of a boundary, its rows by load or by velocity, and lines on it."""
     table = without_columns(boundary_frame(boundary, by))
-    return [*conditions_lines(boundary), "", table, "", *boundary_lines(boundary)]
+    return _table_text(boundary, table)
 
 
 def plot(options: argparse.Namespace) -> Result:

@@ -13,9 +13,8 @@ from typing import Any
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_lines import withheld_lines
 from pipeline.answers.error import has_unknown_preset_error, preset_error_text
-from pipeline.answers.load_factors import load_factor_lines
+from pipeline.answers.facts import fact_lines
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import test_group_words, warning_lines
 from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
@@ -130,7 +129,7 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
     if not sweep_of(ds).base.is_judged:
         return [f"temperatures are in {store}; there is no verdict without temperature.critical"]
     if not {*PLANE} <= {*ds["status"].dims}:
-        lines = wrapped([*load_factor_lines(pipeline.margin(ds))])
+        lines = wrapped([*fact_lines(pipeline.margin(ds), "mild load factor")])
         return [*lines, f"next: irg margin {store}, irg plot {store}"]
     if max(ds.sizes[axis] for axis in PLANE) == 1:
         return [f"one point has no boundary; next: irg margin {store}"]
@@ -138,8 +137,7 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
     if not case_dims(ds):  # irg boundary has a table of several cases
         # Without a boundary, for example if too few points are done, irg boundary prints why.
         with suppress(InputError):
-            boundary = pipeline.boundary(ds)
-            text = wrapped([*boundary_text(boundary), *withheld_lines(boundary)])
+            text = wrapped(boundary_text(pipeline.boundary(ds)))
     return [*text, f"next: irg boundary {store}, irg plot {store}"]
 
 

@@ -21,16 +21,13 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import Normal, Stroke
 
 import pipeline
-from pipeline.answers.answer_lines import not_included_lines, withheld_lines
 from pipeline.answers.answers import plane_margins
-from pipeline.answers.boundary_text import error_lines, ruling_lines
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import argument_array
-from pipeline.answers.hottest_end import end_lines
+from pipeline.answers.facts import ERRORS, fact_lines
 from pipeline.answers.regions import Region, regions
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import named_value
-from pipeline.answers.value_text import attribute_texts
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED, UNKNOWN, VERDICTS
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.figures import style
@@ -80,26 +77,25 @@ def diagram(
     margins = plane_margins(ds, *axes_of_grid, conditions)
     case_dimensions = [str(dim) for dim in boundary["critical_velocity"].dims if dim not in PLANE]
     figure, axes = style.canvas((8.0, 5.6))
-    lines = [f"conditions: {text}" for text in attribute_texts(boundary, "conditions")]
+    lines = fact_lines(boundary, "conditions")
     tests, notes = list[OperatingPoint](), list[str]()
     if case_dimensions:
         legend = _draw_cases(axes, margins, case_dimensions)
         names = " and ".join(case_dimensions).replace("_", " ")
-        lines = [f"boundary by {names}; {lines[0]}" if len(lines) == 1 else f"boundary by {names}"]
+        lines = [f"boundary by {names}; {lines[0]}"]
     else:
         legend = _shade(axes, case, regions(ds, conditions)) | _draw_lines(axes, case, margins)
         tests, tests_legend, notes = mark_tests(axes, case, conditions)
         legend |= tests_legend
         _name_regions(axes, margins)
         notes = [*_mark_simulated(axes, ds, conditions), *notes]
-        lines += [*end_lines(boundary), *ruling_lines(boundary), *withheld_lines(boundary)]
-    lines[1:1] = error_lines(boundary)
+        lines += fact_lines(boundary, "hottest end of the pin", "ruling", "verdicts withheld")
+    lines[1:1] = fact_lines(boundary, *ERRORS)
     _set_axes(axes, case, [*tests, *operating_points], log)
     _mark_operating_points(axes, operating_points)
     style.write_title(axes, style.as_text(sweep_of(ds).title))
     lines.append("; ".join(notes))
-    lines += [*not_included_lines(boundary)][:1]
-    lines += attribute_texts(boundary, "notes")[:1]
+    lines += fact_lines(boundary, "not included")[:1] + fact_lines(boundary, "note")[:1]
     style.legend_below(
         figure, 2 if len(legend) == 4 else 3, handles=[*legend.values()], labels=[*legend] or None,
         caption="\n".join(lines), handler_map={tuple: HandlerTuple(ndivide=None)},

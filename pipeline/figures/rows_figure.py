@@ -14,15 +14,9 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.answers.answer_frames import row_labels
-from pipeline.answers.answer_lines import conditions_lines
-from pipeline.answers.load_factors import load_factor_lines
+from pipeline.answers.facts import fact_lines
 from pipeline.answers.results import cases_of, sweep_of
-from pipeline.answers.value_text import (
-    attribute_texts,
-    format_limit,
-    load_factor_texts,
-    probability_text,
-)
+from pipeline.answers.variable_texts import variable_texts
 from pipeline.answers.verdict_limits import Side
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
@@ -40,7 +34,7 @@ _USUAL_WIDTH = 8.0  # [in]
 _MAX_LABELS = 40  # most rows that are all labelled
 _HEADINGS = "probability\nof severe\nwear", "safety\nfactor of\nfriction"
 _COLUMN_WIDTH = 6.2  # of a column of numbers, over the size of the font
-_SIGNS = {"less than": "<", "more than": ">", "at least": "≥", "outside the model": "outside"}
+_SIGNS = {"less than": "<", "more than": ">", "below": "<", "above": ">"}
 """Shorter words for narrow columns."""
 
 
@@ -96,7 +90,7 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
         xlim=(low - padding, high + padding), ylim=(len(names) - 0.5, -0.5),
         xlabel="temperature margin: critical minus governing temperature [K]",
     )  # fmt: skip
-    panels, lines = [axes], [f"most critical: {names[critical_row]}", *load_factor_lines(margins)]
+    panels, lines = [axes], [f"most critical: {names[critical_row]}"]
     if "mild_load_factor" in margins:
         axes.set_xlabel("critical minus\ngoverning\ntemperature [K]")
         panels.append(_draw_load_factors(axes, margins))
@@ -106,9 +100,8 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
             critical_row - 0.5, critical_row + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":"
         )
     style.write_title(figure, title)  # above the headings of the columns
-    lines += conditions_lines(margins)
-    lines += [f"model error: {text}" for text in attribute_texts(margins, "model_error")[:1]]
-    lines += attribute_texts(margins, "notes")[:1]
+    lines += fact_lines(margins, "mild load factor", "conditions", "model error")
+    lines += fact_lines(margins, "note")[:1]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
 
@@ -126,7 +119,8 @@ def _draw_load_factors(axes: Axes, margins: xr.Dataset) -> Axes:
     ends = np.where(sides == Side.ABOVE, high, np.nan_to_num(factors.values))
     positions = np.arange(len(ends))
     panel.barh(positions, ends, height=0.5, color=BLUE, label="mild load factor")
-    for position, text, side in zip(positions, load_factor_texts(margins), sides, strict=True):
+    texts = variable_texts(margins, "mild_load_factor").values
+    for position, text, side in zip(positions, texts, sides, strict=True):
         is_above = side == Side.ABOVE
         panel.annotate(
             _with_signs(text), (high if is_above else ends[position], position),
@@ -171,17 +165,15 @@ def _label_rows(
 def _column_texts(margins: xr.Dataset) -> tuple[list[str], list[str]]:
     """Probability of severe wear and safety factor of friction of each row, as texts."""
     probabilities, factors = (
-        margins[name].values.tolist() for name in ("probability", "friction_safety_factor")
+        variable_texts(margins, name).values.tolist()
+        for name in ("probability", "friction_safety_factor")
     )
     is_unknown = np.isnan(margins["temperature_margin"].values)
-    factor_texts = [*map(format_limit, factors)]
     probability_texts = [
-        "unknown" if unknown else _with_signs(probability_text(probability)) if factor else ""
-        for unknown, probability, factor in zip(
-            is_unknown, probabilities, factor_texts, strict=True
-        )
+        "unknown" if unknown else _with_signs(probability) if factor else ""
+        for unknown, probability, factor in zip(is_unknown, probabilities, factors, strict=True)
     ]
-    return probability_texts, factor_texts
+    return probability_texts, factors
 
 
 def _with_signs(text: str) -> str:

@@ -17,6 +17,7 @@ from matplotlib.lines import Line2D
 import pipeline
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import override_conditions
+from pipeline.answers.facts import fact_lines
 from pipeline.answers.results import refuse_cases, sweep_of
 from pipeline.answers.value_text import attribute_texts
 from pipeline.answers.verdict_model import VerdictModel, verdict_model
@@ -69,7 +70,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     axes.set(xlabel="← mild    computed rise ratio    severe →")
     title = style.as_text(sweep_of(ds).title)
     style.write_title(axes, f"{title}\ntests, each at its own conditions")
-    caption = f"model error: {attribute_texts(comparison, 'model_error')[0]}"
+    (caption,) = fact_lines(comparison, "model error")
     if missing := comparison.sizes["test"] - len(ratios):
         caption += f"\n{missing} of {comparison.sizes['test']} tests have no result"
     style.legend_below(

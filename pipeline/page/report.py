@@ -27,26 +27,8 @@ from pipeline.answers.answer_frames import (
     margin_frame,
     row_labels,
 )
-from pipeline.answers.answer_lines import (
-    common_lines,
-    conditions_lines,
-    contact_warnings,
-    model_error_line,
-    not_included_lines,
-    reason_lines,
-    temperature_error_line,
-    uncertain_inputs_lines,
-    withheld_lines,
-)
-from pipeline.answers.boundary_text import error_lines, ruling_lines
-from pipeline.answers.load_factors import load_factor_lines
-from pipeline.answers.point_text import (
-    headline,
-    limit_text,
-    margin_facts,
-    probability_line,
-    to_decide,
-)
+from pipeline.answers.facts import ERRORS, NOTES, PARTS_OF_ERROR, fact_lines, facts
+from pipeline.answers.headline import headline, limit_text, probability_line, to_decide
 from pipeline.answers.results import case_dims, cases_of, dataset_of, refuse_cases, sweep_of
 from pipeline.answers.sensitivity_answer import sensitivity_answer
 from pipeline.answers.value_text import code_text, verdict_text
@@ -221,7 +203,7 @@ def _is_plane(ds: xr.Dataset) -> bool:
 def _boundary_page(ds: xr.Dataset, conditions: Conditions) -> Page:
     """The boundary of a plane, without an operating point."""
     boundary = pipeline.boundary(ds, **conditions)
-    lines = [*not_included_lines(boundary), *common_lines(boundary)]
+    lines = fact_lines(boundary, "not included", *NOTES)
     title = "Boundary between mild and severe wear"
     sections, appendix = _plane_sections(ds, conditions)
     if boundary["mild_velocity"].size <= _MAX_ROWS_ON_FIRST_PAGE:
@@ -231,20 +213,20 @@ def _boundary_page(ds: xr.Dataset, conditions: Conditions) -> Page:
 
 def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> Page:
     """The verdict on one operating point."""
-    verdict, reason = margin["verdict"].item(), margin["reason"].item()
+    verdict = margin["verdict"].item()
     if verdict not in HEADLINES:
-        raise InputError(reason)
+        raise InputError(margin["reason"].item())
     load, velocity = margin["load"].item(), margin["velocity"].item()
     limits = (limit_text(margin, axis) for axis in (*PLANE, "friction"))
-    lines = [*filter(None, limits)]
-    if reason:
-        lines.append(f"The verdict is withheld: {reason}")
+    lines = [*filter(None, limits), *fact_lines(margin, "without a verdict")]
     if advice := to_decide(margin):
         lines.append(f"To decide it, {advice}")
-    lines += [_probability_sentence(margin), *not_included_lines(margin)]
-    lines += [*contact_warnings(margin), *common_lines(margin)]
-    facts = [*map(list, margin_facts(margin))]
-    table = PageTable("The operating point in numbers", ["quantity", "value"], facts)
+    lines += [
+        _probability_sentence(margin),
+        *fact_lines(margin, "not included", "contact", *NOTES),
+    ]
+    rows = [[fact.name, fact.value] for fact in facts(margin) if not fact.is_sentence]
+    table = PageTable("The operating point in numbers", ["quantity", "value"], rows)
     sections, appendix = _plane_sections(ds, conditions, [(load, velocity)])
     title = f"{HEADLINES[verdict]} at {load:g} N and {velocity:g} m/s"
     appendix.insert(0, ("Operating point", [table]))
@@ -271,14 +253,16 @@ def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> P
             f"{critical_point}"
         )
     counts = ", ".join(f"{count} {name}" for name, count in Counter(verdict_names).items())
-    lines = [f"Operating points: {counts}", *not_included_lines(margins)]
-    lines[:0] = load_factor_lines(margins)
+    lines = [
+        *fact_lines(margins, "mild load factor"),
+        f"Operating points: {counts}",
+        *fact_lines(margins, "not included", "contact", *NOTES),
+    ]
     if verdict_code in HEADLINES:
         lines.insert(0, _probability_sentence(margins.isel({dimension: critical_row})))
-    lines += [*contact_warnings(margins), *common_lines(margins)]
     caption = "Temperature margin of each row: critical minus governing temperature."
     frame, table_caption = margin_frame(margins), "Operating points; the deciding one is bold"
-    notes = _sentences([*conditions_lines(margins), *reason_lines(margins)])
+    notes = _sentences(fact_lines(margins, "conditions", "without a verdict"))
     picture = _picture(lambda: draw_rows(margins, ""), caption)
     table = _table(frame, table_caption, critical_row)
     sections: list[Section] = [("Operating points", [picture])]
@@ -291,9 +275,7 @@ def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> P
         plane = _plane_sections(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
         appendix += itertools.chain(*plane)
     else:
-        errors = [temperature_error_line(margins), model_error_line(margins)]
-        errors += uncertain_inputs_lines(margins)
-        appendix.append(("Errors", [_sentences(errors), _CAUSES_OF_ERRORS]))
+        appendix.append(_section_on_errors(margins))
     return Page(verdict, title, _sentences(lines), sections, appendix)
 
 
@@ -307,7 +289,7 @@ def _plane_sections(
 ) -> tuple[list[Section], list[Section]]:
     """Section with the diagram; sections with the boundary, tests and prediction, and errors."""
     boundary = pipeline.boundary(ds, **conditions)
-    caption = " ".join(_sentences(conditions_lines(boundary)))
+    caption = " ".join(_sentences(fact_lines(boundary, "conditions")))
     if not case_dims(ds):
         caption += " Dots: simulated points."
     if missing := boundary.attrs["missing_points"]:
@@ -325,15 +307,20 @@ def _plane_sections(
     if min(boundary.sizes[axis] for axis in PLANE) > 1:
         draw = partial(diagram, ds, conditions, load=loads, velocity=velocities)
         sections.append(("Transition diagram", [_picture(draw, caption)]))
-    if rulings := _sentences(ruling_lines(boundary)):
+    if rulings := _sentences(fact_lines(boundary, "ruling")):
         appendix.append(("Tests that rule verdicts out", [rulings]))
     if boundary.attrs.get("tests") and not case_dims(ds):
         tests = pipeline.compare_tests(ds, **conditions)
         table_caption = "Tests, each at its own conditions, and what is computed for them"
-        parts = [_table(comparison_frame(tests), table_caption), _sentences(withheld_lines(tests))]
-        appendix.append(("Tests and prediction", parts))
-    appendix.append(("Errors", [_sentences(error_lines(boundary)), _CAUSES_OF_ERRORS]))
-    return sections, appendix
+        withheld = _sentences(fact_lines(tests, "verdicts withheld"))
+        appendix.append(
+            ("Tests and prediction", [_table(comparison_frame(tests), table_caption), withheld])
+        )
+    return sections, [*appendix, _section_on_errors(boundary)]
+
+
+def _section_on_errors(answer: xr.Dataset) -> Section:
+    return "Errors", [_sentences(fact_lines(answer, *ERRORS, PARTS_OF_ERROR)), _CAUSES_OF_ERRORS]
 
 
 def _section_on_limits(ds: xr.Dataset) -> Section:

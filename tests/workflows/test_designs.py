@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from pipeline.answers.value_text import load_factor_texts
+from pipeline.answers.variable_texts import variable_texts
 from tests.helpers.stores import commit_all
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
@@ -115,7 +115,7 @@ def test_the_mild_load_factor_of_a_row_is_the_computed_one(heading, scene, row, 
     assert len(cells) == 4
     for friction, cell in cells.items():
         conditions = {} if friction == "of the scene" else {"friction": float(friction)}
-        (text,) = load_factor_texts(pipeline.margin(ds, **conditions))
+        (text,) = variable_texts(pipeline.margin(ds, **conditions), "mild_load_factor").values
         assert text == cell, friction
 
 

@@ -112,8 +112,8 @@ def test_the_row_itself_has_the_answer_of_a_sweep_without_load_factors():
 @pytest.mark.parametrize(
     ("friction", "line"),
     [
-        (0.02, "mild load factor of all rows: at least 1.25; D governs, "),
-        (0.6, "mild load factor of all rows: less than 0.5; D governs, "),
+        (0.02, "mild load factor of all rows: above 1.25; D governs, "),
+        (0.6, "mild load factor of all rows: below 0.5; D governs, "),
     ],
 )
 def test_beyond_the_simulated_factors_the_limit_of_the_rows_is_stated_in_words(friction, line):
@@ -125,7 +125,7 @@ def test_beyond_the_simulated_factors_the_limit_of_the_rows_is_stated_in_words(f
 
 def test_the_words_beyond_the_ends_are_the_factors_of_the_scene_whatever_the_loads():
     ds = rows_of(((297.7, 0.8), (133.3, 3.9), (89.27, 2.1)), (0.35, 0.7, 1.0, 1.1))
-    for friction, words in ((0.01, "at least 1.1"), (0.9, "less than 0.35")):
+    for friction, words in ((0.01, "above 1.1"), (0.9, "below 0.35")):
         answer = pipeline.margin(ds, friction=friction)
         assert f"of all rows: {words}; " in next(load_factor_lines(answer))
 

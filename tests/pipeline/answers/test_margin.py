@@ -9,8 +9,8 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers.answer_frames import margin_frame
-from pipeline.answers.answer_lines import common_lines, contact_warnings, temperature_error_line
-from pipeline.answers.point_text import headline, margin_facts, probability_line, to_decide
+from pipeline.answers.facts import fact_lines, facts, other_lines
+from pipeline.answers.headline import headline, probability_line, to_decide
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
@@ -244,13 +244,13 @@ def test_custom_settings_are_advised_a_preset_and_a_ruled_out_verdict_nothing():
 
 
 def facts_of(ds, *point, **conditions):
-    return dict(margin_facts(pipeline.margin(ds, *point, **conditions)))
+    return {fact.name: fact.value for fact in facts(pipeline.margin(ds, *point, **conditions))}
 
 
 def test_a_critical_value_is_stated_or_why_there_is_none():
-    facts = facts_of(synthetic.sweep(velocities=(1.0, 1.5, 2.0)), 200.0, 1.9)
-    assert facts["computed velocity"] == "mild over the whole sweep"
-    load = re.fullmatch(r"severe from (\d+) N", facts["computed load"])[1]
+    values = facts_of(synthetic.sweep(velocities=(1.0, 1.5, 2.0)), 200.0, 1.9)
+    assert values["critical velocity"] == "none, mild over the whole sweep"
+    load = re.fullmatch(r"(\d+) N", values["critical load"])[1]
     assert float(load) == pytest.approx(synthetic.critical_load(1.9, LIMIT), rel=0.01)
 
 
@@ -305,9 +305,11 @@ def test_the_range_of_the_probability_is_stated_and_the_side_of_the_critical_tem
     assert "-" not in severe
     custom = synthetic.sweep(preset=None)
     assert ", numerical error unknown, " in probability_line(pipeline.margin(custom, 400.0, 0.5))
-    assert temperature_error_line(pipeline.margin(custom, [400.0, 500.0], [0.5, 0.6])) == (
-        "numerical error of the governing temperature: unknown"
-    )
+    points = pipeline.margin(custom, [400.0, 500.0], [0.5, 0.6])
+    assert fact_lines(points, "numerical error (95 %)") == [
+        "numerical error (95 %): unknown at 2 of 2, because a part is unknown: "
+        "discretization (preset)"
+    ]
 
 
 def test_an_unknown_error_states_which_part_is_unknown_and_those_that_are_known():
@@ -316,10 +318,13 @@ def test_an_unknown_error_states_which_part_is_unknown_and_those_that_are_known(
     flags = xr.where(
         (ds["load"] == 400) & (ds["velocity"] == 2.0), int(WarningKind.CONTACT_AT_EDGE), 0
     )
-    text = facts_of(ds.assign(warning_flags=flags), 425.0, 2.1)["numerical error (95 %)"]
-    start, end = "unknown, because a part is unknown: warnings (interpolation ", " K)"
-    assert text.startswith(start)
-    assert text.endswith(end)
+    values = facts_of(ds.assign(warning_flags=flags), 425.0, 2.1)
+    assert values["numerical error (95 %)"] == (
+        "unknown, because a part is unknown: allowance for warnings"
+    )
+    assert re.match(
+        r"interpolation between points [\d.]+ K", values["parts of the numerical error"]
+    )
 
 
 def test_only_an_answer_beside_a_contact_at_the_edge_of_its_window_warns_of_it():
@@ -334,23 +339,23 @@ def test_only_an_answer_beside_a_contact_at_the_edge_of_its_window_warns_of_it()
         (ds, 2.1, 0),
     ):
         for loads, start in ((425.0, "warning: "), ([425.0, 426.0], "warning: at some points, ")):
-            lines = [*contact_warnings(pipeline.margin(dataset, loads, velocity))]
+            lines = fact_lines(pipeline.margin(dataset, loads, velocity), "contact")
             assert lines == [start + words] * count
 
 
 def test_a_verdict_that_a_test_rules_out_states_the_reason_and_no_advice():
     tests = tuple(bare_test(400.0, 1.2, outcome="mild", number=f"m{k}") for k in range(40))
     ds = synthetic.sweep(tests=(*tests, bare_test(300.0, 0.9, outcome="severe", number="weak")))
-    facts = facts_of(ds, 300.0, 0.95)
-    assert facts["verdict withheld"] == "test weak (severe, 300 N, 0.9 m/s) rules it out"
-    assert "to decide" not in facts
+    values = facts_of(ds, 300.0, 0.95)
+    assert values["without a verdict"] == "test weak (severe, 300 N, 0.9 m/s) rules it out"
+    assert "to decide" not in headline(pipeline.margin(ds, 300.0, 0.95))
 
 
 def test_an_answer_states_how_many_points_were_not_used():
     ds = synthetic.sweep(status={(400.0, 2.0): PENDING, (450.0, 2.0): FAILED})
-    line = "points that are pending or failed, and were not used: 2"
-    assert line in [*common_lines(pipeline.boundary(ds))]
-    assert line not in [*common_lines(pipeline.boundary(synthetic.sweep()))]
+    line = "points that are pending or failed, and not used: 2"
+    assert line in other_lines(pipeline.boundary(ds), ())
+    assert line not in other_lines(pipeline.boundary(synthetic.sweep()), ())
 
 
 def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one_on():

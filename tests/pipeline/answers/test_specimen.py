@@ -8,9 +8,8 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
-from pipeline.answers.boundary_text import boundary_lines
 from pipeline.answers.error import PARTS
-from pipeline.answers.point_text import margin_lines
+from pipeline.answers.facts import fact_lines, point_lines
 from pipeline.answers.specimen import mean_of_realizations
 from pipeline.constants import CORRELATION_LENGTHS, RISE_EXPONENT
 from pipeline.store.schema import FAILED, PENDING
@@ -232,18 +231,18 @@ def test_no_verdict_rests_on_a_single_realization_that_does_not_state_how_others
     assert answer.verdict == "undecided"
     assert (answer.probability_low, answer.probability_high) == (0.0, 1.0)
     assert np.isnan([answer.temperature_error, answer.temperature_error_surface]).all()
-    text = "\n".join(margin_lines(answer.answer))
+    text = "\n".join(point_lines(answer.answer))
     assert "unknown, because a part is unknown: surface sampling" in text
     assert "to decide it, simulate more surface realizations" in text
     boundary = pipeline.boundary(unknown)
     for name in ("velocity_error", "mild_velocity", "severe_velocity"):
         assert boundary[name].isnull().all()
     assert boundary["critical_velocity"].notnull().all()
-    (statement,) = (line for line in boundary_lines(boundary) if line.startswith("numerical"))
-    assert statement == (
-        "numerical error unknown at 3 of 3 critical velocities: one surface realization has too "
-        "few independent grooves; simulate several (sweep.realizations)"
-    )
+    assert fact_lines(boundary, "numerical error (95 %)") == [
+        "numerical error (95 %): unknown at 3 of 3, because a part is unknown: surface sampling "
+        "(one surface realization has too few independent grooves; simulate several, "
+        "sweep.realizations)"
+    ]
 
 
 def test_two_realizations_that_state_nothing_have_the_error_of_their_difference():

@@ -7,8 +7,7 @@ import pytest
 
 import pipeline
 from pipeline.answers.answer_frames import boundary_frame, comparison_frame
-from pipeline.answers.answer_lines import withheld_lines
-from pipeline.answers.boundary_text import boundary_lines
+from pipeline.answers.facts import fact_lines
 from pipeline.answers.field import LineOutcome as Along
 from pipeline.answers.posterior import Outcome, Prior, update
 from pipeline.answers.verdict_limits import Side
@@ -175,7 +174,7 @@ def test_the_boundary_is_limited_by_the_tests_that_rule_verdicts_out_in_margins(
         assert velocities_of_verdict(ds, load, "mild").max() == pytest.approx(0.74)
         assert named_text == "test weak (severe, 300 N, 0.75 m/s) rules out mild wear from 0.75 m/s"
     assert answer["ruled_out_by"].sel(load=200.0).item() == ""  # the test was at a higher load
-    assert [*boundary_lines(answer)].count(f"at 300 to 750 N, {named_text}") == 1
+    assert fact_lines(answer, "ruling").count(f"at 300 to 750 N, {named_text}") == 1
 
 
 def test_a_mild_test_limits_the_velocity_from_which_the_boundary_is_severe():
@@ -195,8 +194,8 @@ def test_a_verdict_that_is_withheld_everywhere_has_no_velocity_on_the_boundary()
     assert np.isnan(answer["mild_velocity"]).all()
     assert (answer["mild_velocity_side"] == Side.BELOW).all()
     assert np.isfinite(answer["severe_velocity"]).any()
-    (line,) = withheld_lines(answer)
-    assert line.startswith("some verdicts are withheld: test 1 (severe, ")
+    (line,) = fact_lines(answer, "verdicts withheld")
+    assert line.startswith("verdicts withheld: test 1 (severe, ")
 
 
 def test_only_an_answer_whose_tests_count_has_a_column_with_tests():

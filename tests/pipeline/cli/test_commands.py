@@ -101,7 +101,7 @@ def test_a_point_alone_is_the_point_of_the_store(scene, store, tmp_path, irg):
     temperature = 298.15 + 0.1 * quantiles.sel(area_fraction_below=0.9).item()
     assert row["governing temperature [°C]"] == pytest.approx(temperature - 273.15, rel=1e-9)
     assert row["temperature margin [K]"] == pytest.approx(418.15 - temperature, rel=1e-9)
-    (printed,) = re.findall(r"governing temperature   ([\d.]+) °C, simulated at this point", output)
+    (printed,) = re.findall(r"governing temperature: ([\d.]+) °C, simulated at this point", output)
     assert abs(float(printed) - (temperature - 273.15)) <= 0.25 * row["temperature error [K]"]
     for words, value in {
         "highest temperature [°C]": highest - 273.15,
@@ -132,7 +132,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own_and_is_a_table(scen
     out = tmp_path / "point.csv"
     output = irg(*point, *options, "--set", "note=of no rig", "-o", out)
     assert output.startswith("Severe at 600 N and 4 m/s\nprobability of severe wear ")
-    assert "  numerical error (95 %)  ± " in output
+    assert "\nnumerical error (95 %): ± " in output
     (written_row,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())
     assert (written_row["load [N]"], written_row["verdict"]) == ("600", "severe")
     notes = written_row["notes"].split(" | ")
@@ -164,7 +164,7 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     output, (other,) = both(irg, tmp_path, *point)
     untested_output, (row,) = both(irg, tmp_path, *point, "--without-tests")
     assert re.search(
-        r"model error  .* of the temperature rise \(90 % range, from [12] tests?", output
+        r"model error: .* of the temperature rise \(90 % range, from [12] tests?", output
     )
     assert "(90 % range, from the prior)" in untested_output.replace("\n    ", " ")
     assert other["probability"] > row["probability"]

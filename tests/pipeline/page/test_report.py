@@ -10,7 +10,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.answer_frames import boundary_frame
-from pipeline.answers.point_text import to_decide
+from pipeline.answers.headline import to_decide
 from pipeline.answers.value_text import format_limit, probability_text, verdict_text
 from pipeline.figures.rows_figure import most_critical_row
 from pipeline.frames import cells_of
@@ -235,4 +235,4 @@ def test_a_report_states_why_a_verdict_is_withheld(undrawn):
     page = checked(pipeline.report(withheld, 300.0, 0.95))
     reason = pipeline.margin(withheld, 300.0, 0.95)["reason"].item()
     assert reason.endswith("rules it out")
-    assert f"The verdict is withheld: {reason}" in page.words
+    assert f"Without a verdict: {reason}" in page.words

@@ -11,7 +11,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.answers.point_text import to_decide
+from pipeline.answers.headline import to_decide
 from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
 from pipeline.run.boundary_variants import missing_variants
 from pipeline.store.store import opened

@@ -3,40 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import xarray as xr
 
-from pipeline.answers.answer_lines import contact_warnings, not_included_lines
-from pipeline.answers.hottest_end import end_text
 from pipeline.answers.value_text import (
-    LINE_OUTCOMES,
     OUTSIDE,
     attribute_texts,
     code_text,
     flag_names,
-    format_error,
     format_limit,
-    format_variable,
     probability_text,
     verdict_text,
 )
-from pipeline.quantities import UNITS, ZERO
+from pipeline.answers.variable_texts import variable_texts
+from pipeline.quantities import UNITS
 
-_ORIGINS = {
-    "simulated": "{} °C, simulated at this point",
-    "interpolated": "{} °C, interpolated between simulated points",
-    "extrapolated": "{} °C, extrapolated beyond the simulated points by a power law in velocity",
-}
-"""Governing temperature with its origin."""
-ERROR_PARTS = {
-    "interpolation": "interpolation",
-    "discretization": "discretization",
-    "warnings": "warnings",
-    "positions": "positions of the disk",
-    "surface": "surface sampling",
-}
-"""Name of each part of the numerical error."""
 _REMEDIES = {
     "points": "simulate more points nearby",
     "warnings": "follow the warnings of its points",
@@ -48,28 +29,13 @@ _REMEDIES = {
 _PRESET_FOR_CUSTOM_SETTINGS = "use a preset, whose error is known"
 
 
-def margin_lines(point: xr.Dataset, has_ends: bool = True) -> Iterator[str]:
-    """Lines on one operating point.
-
-    Without `has_ends`, they omit limits beyond the simulated loads and velocities.
-    """
-    if verdict_text(point) == "unknown":
-        yield f"Unknown: {point['reason'].item()}"
-        return
-    yield headline(point, has_ends)
-    if line := probability_line(point):
-        yield line
-    yield from not_included_lines(point)
-    yield from (f"  {name:22}  {text}" for name, text in margin_facts(point))
-    yield from contact_warnings(point)
-
-
 def headline(point: xr.Dataset, has_ends: bool = True) -> str:
     """The verdict on one point, up to where wear is mild, and what would decide a verdict."""
     verdict, load, velocity = verdict_text(point), point["load"].item(), point["velocity"].item()
     at = f"{load:g} N and {velocity:g} m/s"
     if verdict == "outside the model":
-        return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {_temperature(point)} °C"
+        temperature = variable_texts(point, "governing_temperature").item()
+        return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {temperature} °C"
     axes = [
         axis
         for axis in ("load", "velocity")
@@ -120,7 +86,7 @@ def probability_line(point: xr.Dataset) -> str:
     ends = point["probability_low"].item(), point["probability_high"].item()
     probability = probability_text(point["probability"].item())
     low, high = probability_text(ends[0], math.floor), probability_text(ends[1], math.ceil)
-    margin = format_variable(point, "temperature_margin")
+    margin = variable_texts(point, "temperature_margin").item()
     distance = f"{margin} K below the critical temperature"
     if margin.startswith("-"):
         distance = f"{margin[1:]} K above the critical temperature"
@@ -129,55 +95,6 @@ def probability_line(point: xr.Dataset) -> str:
     if low == high or ends[0] == ends[1]:
         return f"probability of severe wear {probability}, {distance}"
     return f"probability of severe wear {probability} ({low} to {high}), {distance}"
-
-
-def _temperature(point: xr.Dataset) -> str:
-    """Governing temperature in °C."""
-    return format_variable(point, "governing_temperature", -float(ZERO["°C"]))
-
-
-def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
-    """Yield the name and the value, as text, of each quantity of one point."""
-    yield "conditions", attribute_texts(point, "conditions")[0]
-    origin = _ORIGINS[str(code_text(point["origin"])[()])]
-    yield "governing temperature", origin.format(_temperature(point))
-    if end := end_text(point):
-        yield "hottest end of the pin", end
-    yield "numerical error (95 %)", error_text(point)
-    yield "model error", attribute_texts(point, "model_error")[0]
-    for text in attribute_texts(point, "uncertain_inputs"):
-        yield "uncertain inputs", text
-    for axis in ("velocity", "load"):
-        outcome = str(code_text(point[f"outcome_along_{axis}"])[()])
-        if outcome == "transition":
-            value = format_variable(point, f"critical_{axis}")
-            yield f"computed {axis}", f"severe from {value} {UNITS[axis]}"
-        elif outcome in LINE_OUTCOMES:
-            yield f"computed {axis}", LINE_OUTCOMES[outcome]
-        if axis == "velocity" and (velocity := format_variable(point, "critical_velocity_p50")):
-            yield "with tests", f"{velocity} m/s (severe wear is 50 % probable)"
-    if friction := limit_text(point, "friction"):
-        yield "limit of friction", friction
-    if point["reason"].item():
-        yield "verdict withheld", point["reason"].item()
-
-
-def _error_parts(point: xr.Dataset) -> dict[str, float]:
-    """Numerical error of the temperature of one point by part [K]; NaN if unknown."""
-    return {name: point[f"temperature_error_{name}"].item() for name in ERROR_PARTS}
-
-
-def error_text(point: xr.Dataset) -> str:
-    """The numerical error of a temperature and its parts."""
-    parts = {ERROR_PARTS[name]: error for name, error in _error_parts(point).items()}
-    known = ", ".join(f"{name} {format_error(part)} K" for name, part in parts.items() if part > 0)
-    unknown = " and ".join(name for name, part in parts.items() if math.isnan(part))
-    if unknown and known:
-        return f"unknown, because a part is unknown: {unknown} ({known})"
-    if unknown:
-        return f"unknown, because a part is unknown: {unknown}"
-    total = f"± {format_error(point['temperature_error'].item())} K"
-    return f"{total}: {known}" if known else total
 
 
 def to_decide(point: xr.Dataset) -> str:
