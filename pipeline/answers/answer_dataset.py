@@ -54,28 +54,13 @@ _VARIABLES = {
         f"temperature_error_{part}": ("K", f"part of the numerical error: {meaning}")
         for part, meaning in PARTS.items()
     },
-    "critical_velocity": ("m/s", "lowest velocity at which severe wear is computed"),
-    "critical_load": ("N", "lowest load at which severe wear is computed"),
-    "critical_friction": ("1", "lowest coefficient of friction at which severe wear is computed"),
-    "mild_velocity": ("m/s", "highest velocity up to which the verdict is mild"),
-    "mild_load": ("N", "highest load up to which the verdict is mild"),
-    "mild_friction": ("1", "highest coefficient of friction up to which the verdict is mild"),
-    "severe_velocity": ("m/s", "lowest velocity from which the verdict is severe"),
-    "severe_load": ("N", "lowest load from which the verdict is severe"),
-    "friction_safety_factor": ("1", "mild limit of friction over operating friction"),
-    "velocity_safety_factor": ("1", "mild limit of velocity over operating velocity"),
-    "load_safety_factor": ("1", "mild limit of load over operating load"),
     "critical_velocity_p50": ("m/s", "critical velocity with tests: severe wear is 50 % probable"),
-    "film_parameter_at_load": ("1", "film parameter on the boundary"),
-    "film_parameter_at_velocity": ("1", "film parameter on the boundary"),
     "ruled_out_by": ("", "tests that decide mild_velocity or severe_velocity"),
     "velocity_error": ("1", "relative numerical error of the critical velocity (95 % bound)"),
     **{
         f"velocity_error_{part}": ("1", f"part of the relative numerical error: {meaning}")
         for part, meaning in PARTS.items()
     },
-    "outcome_along_velocity": ("", "outcome along the line of rising velocity"),
-    "outcome_along_load": ("", "outcome along the line of rising load"),
     "origin": ("", "origin of the result"),
     "warning_flags": ("", "what limits this answer"),
     "decided_by": ("", "what would decide an undecided verdict"),
@@ -86,10 +71,26 @@ _VARIABLES = {
         name: (condition.kind.si_unit or "1", condition.meaning)
         for name, condition in CONDITIONS.items()
     },
+    "spread_another_rig": ("K", "standard deviation on another rig (model bias included)"),
+    "spread_this_rig": ("K", "standard deviation on this rig (model bias excluded)"),
+    "at_least": ("K", "lower bound, from tests that were only mild"),
+    "at_most": ("K", "upper bound, from tests that were only severe"),
     "load": ("N", "normal load on the pin"),
     "velocity": ("m/s", "sliding velocity"),
 }
 """Unit and long name of each variable of an answer."""
+for _axis, _unit, _name in (
+    ("velocity", "m/s", "velocity"), ("load", "N", "load"),
+    ("friction", "1", "coefficient of friction"),
+):  # fmt: skip
+    _VARIABLES |= {
+        f"critical_{_axis}": (_unit, f"lowest {_name} at which severe wear is computed"),
+        f"mild_{_axis}": (_unit, f"highest {_name} up to which the verdict is mild"),
+        f"severe_{_axis}": (_unit, f"lowest {_name} from which the verdict is severe"),
+        f"{_axis}_safety_factor": ("1", f"mild limit of {_axis} over operating {_axis}"),
+        f"film_parameter_at_{_axis}": ("1", "film parameter on the boundary"),
+        f"outcome_along_{_axis}": ("", f"outcome along the line of rising {_axis}"),
+    }
 _LIMITS = "mild_velocity", "mild_load", "mild_friction", "severe_velocity", "severe_load"
 _VARIABLES |= {f"{name}_side": ("", f"where {name} lies") for name in _LIMITS}
 _CODES = {
@@ -111,13 +112,20 @@ ATTRIBUTES = (
 
 
 def answer_dataset(
-    models: Sequence[VerdictModel], variables: Mapping[str, Any], varied: Mapping[str, xr.DataArray]
+    models: Sequence[VerdictModel],
+    variables: Mapping[str, Any],
+    overrides: Mapping[str, xr.DataArray],
 ) -> xr.Dataset:
     """Dataset of an answer with units, long names, conditions and attributes.
 
-    There is a model for each oil; `varied` has the conditions that vary along dimensions or from
-    point to point.
+    There is a model for each oil. `overrides` are conditions in place of the scene's.
     """
+    # A condition that varies has its dimension, or a value at each point.
+    varied = {
+        name: variables.get(name, array) if name not in array.dims else array
+        for name, array in overrides.items()
+        if array.ndim
+    }
     axes = {name: getattr(models[0].conditions, name) for name in CONDITIONS} | {**varied}
     axes |= {name: variables[name] for name in PLANE}
     data = {name: variable for name, variable in variables.items() if name not in axes}

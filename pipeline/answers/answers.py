@@ -46,7 +46,7 @@ from pipeline.store.schema import PLANE
 from pipeline.units import UnitError, to_si
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
-from tribo.types import Array, Indices
+from tribo.types import Array, Indices, Mask
 
 _BATCH_SIZE = 4000  # operating points evaluated at once, with about 100 MB of memory
 
@@ -183,13 +183,7 @@ def _margin_of_case(
             "velocity": xr.DataArray(case.velocities[0]),
         }
     models, variables = _evaluate(case, points["load"], points["velocity"], overrides, judge)
-    # A condition that varies has its dimension, or a value at each point.
-    varied = {
-        name: variables.get(name, array) if name not in array.dims else array
-        for name, array in overrides.items()
-        if array.ndim
-    }
-    return with_mild_load_factor(answer_dataset(models, variables, varied), case)
+    return with_mild_load_factor(answer_dataset(models, variables, overrides), case)
 
 
 def _evaluate(
@@ -256,20 +250,16 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     columns = model.points(points)
     columns |= end_temperatures(model, points, columns["governing_temperature"])
     is_known = ~np.isnan(columns["log_rise_ratio"])
-    known_points = points.take(is_known)
+    known = points.take(is_known)
     for axis in ("velocity", "load"):
-        columns[f"critical_{axis}"] = np.full(is_known.shape, np.nan)
-        columns[f"outcome_along_{axis}"] = np.full(is_known.shape, LineOutcome.UNKNOWN, np.int8)
-        if is_known.any():
-            for name, values in model.critical(axis, known_points).items():
-                columns[name][is_known] = values
-    columns["critical_velocity_p50"] = np.full(is_known.shape, np.nan)
-    if model.evidence.specimens and is_known.any():
-        columns["critical_velocity_p50"][is_known] = model.velocity_of_probability(known_points)
+        critical, outcomes = model.critical(axis, known).values()
+        columns[f"critical_{axis}"] = _spread(is_known, critical)
+        columns[f"outcome_along_{axis}"] = _spread(is_known, outcomes, LineOutcome.UNKNOWN)
+    has_tests = bool(model.evidence.specimens)
+    p50 = model.velocity_of_probability(known) if has_tests else np.full(known.load.shape, np.nan)
+    columns["critical_velocity_p50"] = _spread(is_known, p50)
     is_open = (columns["verdict"] == UNDECIDED) & (columns["reason"] == "")
-    columns["decided_by"] = np.zeros(is_known.shape, np.int16)
-    if is_open.any():
-        columns["decided_by"][is_open] = remedies(model, points.take(is_open))
+    columns["decided_by"] = _spread(is_open, remedies(model, points.take(is_open)), 0)
     return columns | points._asdict()
 
 
@@ -283,15 +273,19 @@ def _mild_limits(
     limits["friction"] = friction_limits(model, known[0], critical_friction[is_known])
     columns = dict[str, Any]()
     for name, (values, sides) in limits.items():
-        mild_limits = np.full(is_known.shape, np.nan)
-        mild_limits[is_known] = values
-        columns[f"mild_{name}"] = mild_limits
-        columns[f"mild_{name}_side"] = np.full(is_known.shape, Side.UNKNOWN, np.int8)
-        columns[f"mild_{name}_side"][is_known] = sides
+        columns[f"mild_{name}"] = _spread(is_known, values)
+        columns[f"mild_{name}_side"] = _spread(is_known, sides, Side.UNKNOWN)
         with np.errstate(divide="ignore"):
-            factor = mild_limits / getattr(points, name)
+            factor = columns[f"mild_{name}"] / getattr(points, name)
         columns[f"{name}_safety_factor"] = np.where(verdicts == OUTSIDE, np.nan, factor)
     return columns
+
+
+def _spread(mask: Mask, values: Any, elsewhere: float = np.nan) -> Any:
+    """Column with `values` where a mask is true."""
+    column = np.full(mask.shape, elsewhere, values.dtype)
+    column[mask] = values
+    return column
 
 
 @np.errstate(under="ignore")
@@ -354,7 +348,7 @@ def _boundary_of_case(case: CaseResults, overrides: Mapping[str, xr.DataArray]) 
         line = xr.DataArray(variables[dim], {dim: variables[dim]}, dim)
         models, computed = _evaluate(case, line, line, overrides, compute)
         variables |= {name: array.transpose(..., dim) for name, array in computed.items()}
-    return answer_dataset(models, variables, {k: a for k, a in overrides.items() if a.ndim})
+    return answer_dataset(models, variables, overrides)
 
 
 def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:

@@ -110,22 +110,10 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     evidence = evidence_with_critical_temperature(case, specimen_of(case, oil), oil)
     critical: Any = evidence.critical  # never None here
     values = {
-        "critical_temperature": (
-            critical.temperature,
-            "critical temperature from the tests, median",
-        ),
-        "spread_another_rig": (
-            critical.spread_with_bias,
-            "standard deviation on another rig (model bias included)",
-        ),
-        "spread_this_rig": (
-            critical.spread,
-            "standard deviation on this rig (model bias excluded)",
-        ),
-        "at_least": (critical.at_least, "lower bound, from tests that were only mild"),
-        "at_most": (critical.at_most, "upper bound, from tests that were only severe"),
+        "critical_temperature": critical.temperature,
+        "spread_another_rig": critical.spread_with_bias,
+        "spread_this_rig": critical.spread,
+        "at_least": critical.at_least,
+        "at_most": critical.at_most,
     }
-    return xr.Dataset(
-        {k: ((), value, {"units": "K", "long_name": name}) for k, (value, name) in values.items()},
-        attrs={"model": model_words(case.sweep)},
-    )
+    return with_attributes(xr.Dataset(values)).assign_attrs(model=model_words(case.sweep))

@@ -13,7 +13,7 @@ import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,7 +23,14 @@ from pipeline.answers.input_errors import InputErrors, input_errors
 from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import OUTLIER_PROBABILITY
-from pipeline.sweep.case import Case, Conditions, SpecimenTest, allowable_rise, with_test_conditions
+from pipeline.sweep.case import (
+    Case,
+    Conditions,
+    OperatingPoint,
+    SpecimenTest,
+    allowable_rise,
+    with_test_conditions,
+)
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
@@ -57,6 +64,10 @@ class EvaluatedTest:
         point = f"{test.normal_load:g} N, {test.velocity:g} m/s"
         return f"test {test.number} ({test.outcome}, {point})"
 
+    def end_for(self, verdict: str) -> OperatingPoint:
+        """Point of the test that rules a `verdict` out at others."""
+        return self.test.points[-1 if verdict == "mild" else 0]
+
     def rules_out(self, verdict: str, points: QueryPoints) -> Mask:
         """True at points (k,) at which the test rules out a `verdict`, "mild" or "severe"."""
         signs = self._signs(verdict, points)
@@ -64,15 +75,6 @@ class EvaluatedTest:
         # A transition without a step allows both verdicts at its own point.
         is_strict = self.test.outcome == "transition" and len(self.test.points) == 1
         return np.asarray(is_no_easier & ((signs > 0).any(axis=0) | (not is_strict)))
-
-    def velocity_limits(self, verdict: str, points: QueryPoints) -> Array:
-        """Velocity (k,) from which mild, or up to which severe wear is ruled out at the loads.
-
-        It is infinite (0) where mild (severe) wear is not ruled out.
-        """
-        velocity = self.test.points[-1 if verdict == "mild" else 0][1]
-        signs = self._signs(verdict, points._replace(velocity=0 * points.load + velocity))
-        return np.where((signs >= 0).all(axis=0), velocity, math.inf if verdict == "mild" else 0.0)
 
     def _signs(self, verdict: str, points: QueryPoints) -> Array:
         """Signs (4, k) of points minus test, reversed for severe wear; −1 if it is mute."""
@@ -84,8 +86,7 @@ class EvaluatedTest:
             or (verdict == "severe" and self.is_outside)
         ):
             return np.full((4, len(points.load)), -1.0)
-        load, velocity = self.test.points[-1 if verdict == "mild" else 0]
-        own = load, velocity, conditions.friction, conditions.bulk_temperature
+        own = *self.end_for(verdict), conditions.friction, conditions.bulk_temperature
         signs = np.array([_sign(a, b) for a, b in zip(points, own, strict=True)])
         return signs if verdict == "mild" else -signs
 
@@ -193,33 +194,20 @@ class Evidence:
         withheld = np.full(points.load.shape, bool(self.withheld[verdict]))
         return functools.reduce(np.logical_or, masks, withheld)
 
+    def ruling(self, verdict: str, points: QueryPoints) -> list[list[EvaluatedTest]]:
+        """Tests that rule out `verdict`, "mild" or "severe", at each point (k,)."""
+        masks = [row.rules_out(verdict, points) for row in self.rows]
+        return [
+            [row for row, mask in zip(self.rows, masks, strict=True) if mask[k]]
+            for k in range(len(points.load))
+        ]
+
     def objections(self, verdict: str, points: QueryPoints) -> list[str]:
         """Reason why each point (k,) cannot be `verdict`, "mild" or "severe"; empty if it can."""
         if self.withheld[verdict]:
             return [self.withheld[verdict]] * len(points.load)
-        names: list[list[str]] = [[] for _ in points.load]
-        for row in self.rows:
-            for k in np.flatnonzero(row.rules_out(verdict, points)).tolist():
-                names[k].append(str(row))
-        return [f"{', '.join(dict.fromkeys(n))} rules it out" if n else "" for n in names]
-
-    def velocity_limits(self, verdict: str, points: QueryPoints) -> tuple[Array, Any]:
-        """Velocities (k,) from which mild, or up to which severe wear is ruled out; and by what.
-
-        It is 0 (infinite) if mild (severe) wear is withheld at all velocities, and infinite (0) if
-        no test rules it out.
-        """
-        is_mild = verdict == "mild"
-        start = math.inf if is_mild != bool(self.withheld[verdict]) else 0.0
-        velocities, names = (
-            np.full(points.load.shape, start),
-            np.full(points.load.shape, "", object),
-        )
-        for row in self.rows if not self.withheld[verdict] else ():
-            limits = row.velocity_limits(verdict, points)
-            is_closer = limits < velocities if is_mild else limits > velocities
-            velocities[is_closer], names[is_closer] = limits[is_closer], str(row)
-        return velocities, names
+        names = (dict.fromkeys(map(str, rows)) for rows in self.ruling(verdict, points))
+        return [f"{', '.join(n)} rules it out" if n else "" for n in names]
 
 
 def outcome_of(rows: list[EvaluatedTest], added_scatter: float = 0.0) -> Outcome:

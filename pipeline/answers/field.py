@@ -140,7 +140,7 @@ class Field:
     def grid(self, loads: Array, velocities: Array) -> Array:
         """Values at each of k loads and m velocities (k, m); NaN outside the loads."""
         pairs = np.repeat(loads, len(velocities)), np.tile(velocities, len(loads))
-        return self(*pairs).reshape(len(loads), -1)
+        return self(*pairs).reshape(len(loads), len(velocities))
 
     def bracketing_rows(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
         """Indices (k,) of the loads below and above each of k pairs of load and velocity.

@@ -49,6 +49,7 @@ _INFERRED = (
     "the tests are left out: the scene infers its critical temperature from them, and another one "
     "is given"
 )
+_ROUNDING_OF_LIMITS = 2e-5  # relative, within which a limit is that of a test
 _TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 
 
@@ -368,15 +369,16 @@ class VerdictModel:
         The notes are empty without such a test.
         """
         notes = np.full(points.load.shape, "", object)
-        for verdict, limits, words in (
-            ("mild", mild, "mild wear from"),
-            ("severe", severe, "severe wear up to"),
+        for verdict, limits, words, side in (
+            ("mild", mild, "mild wear from", 1),
+            ("severe", severe, "severe wear up to", -1),
         ):
-            velocities, names = self.evidence.velocity_limits(verdict, points)
-            is_decided = np.isclose(limits, velocities, rtol=2e-5) & (names != "")
-            for k in np.flatnonzero(is_decided).tolist():
-                text = f"{names[k]} rules out {words} {velocities[k]:g} m/s"
-                notes[k] = join_texts((notes[k], text))
+            beyond = points._replace(velocity=limits * (1 + side * _ROUNDING_OF_LIMITS))
+            for k, rows in enumerate(self.evidence.ruling(verdict, beyond)):
+                for row in rows[:1]:
+                    velocity = row.end_for(verdict)[1]
+                    text = f"{row} rules out {words} {velocity:g} m/s"
+                    notes[k] = join_texts((notes[k], text))
         return notes
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:

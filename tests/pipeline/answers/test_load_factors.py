@@ -211,7 +211,7 @@ def test_text_json_csv_and_report_have_the_factor_of_each_row(irg, monkeypatch, 
     (line,) = load_factor_lines(pipeline.margin(ds))
     for text in (" ".join(printed.split()), html.unescape(pipeline.report(ds))):
         assert line[1:] in text
-        assert "at least 1.25" in text
+        assert "above 1.25" in text
     rows = irg("margin", "rows.zarr", "--json")
     irg("margin", "rows.zarr", "-o", tmp_path / "rows.csv")
     table = pd.read_csv(tmp_path / "rows.csv")

@@ -35,7 +35,7 @@ def test_a_verdict_states_its_friction_and_temperatures(store, irg):
     options = "--friction=0.12", "--bulk-temperature=60 degC", "--critical-temperature=150 degC"
     conditions = "friction 0.12, bulk temperature 60 °C, critical temperature 150 °C"
     output = irg(*command, *options)
-    assert f" conditions {conditions} " in " ".join(output.split())
+    assert f" conditions: {conditions} " in " ".join(output.split())
     assert len(output.splitlines()) <= 14
     assert max(map(len, output.splitlines())) <= 100
     assert " ".join(irg("boundary", "out.zarr", *options).split()).startswith(
