@@ -9,8 +9,7 @@ import xarray as xr
 from pipeline.answers.answer_dataset import ATTRIBUTES
 from pipeline.answers.condition_values import PAIRS
 from pipeline.answers.scene_wording import value_words
-from pipeline.answers.value_text import code_text, flag_names
-from pipeline.answers.variable_texts import printed_unit, variable_texts
+from pipeline.answers.value_text import code_text, flag_names, printed_unit, variable_texts
 from pipeline.condition_kinds import CONDITIONS
 from pipeline.frames import cell_text, frame_of, without_columns
 from pipeline.store.schema import PLANE

@@ -24,7 +24,6 @@ from pipeline.answers.condition_values import (
 )
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import LineOutcome
-from pipeline.answers.hottest_end import end_temperatures
 from pipeline.answers.load_factors import with_governing_row, with_mild_load_factor
 from pipeline.answers.remedies import remedies
 from pipeline.answers.results import cases_of, dataset_of
@@ -46,7 +45,7 @@ from pipeline.store.schema import PLANE
 from pipeline.units import UnitError, to_si
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
-from tribo.types import Array, Indices, Mask
+from tribo.types import Array, Mask
 
 _BATCH_SIZE = 4000  # operating points evaluated at once, with about 100 MB of memory
 
@@ -154,9 +153,22 @@ def _margins(
     judge: _Judge,
 ) -> xr.Dataset:
     """Judge operating points of all cases; `points` has their loads and velocities."""
-    overrides, cases = condition_arrays(conditions), cases_of(ds)
-    answers = [_margin_of_case(case, points, overrides, judge) for case in cases]
+    arrays, cases, answers = condition_arrays(conditions), cases_of(ds), list[xr.Dataset]()
+    for case in cases:
+        plane = arguments_of_case(points, case.labels) or _point_of(case)
+        overrides = arguments_of_case(arrays, case.labels)
+        models, variables = _evaluate(case, plane["load"], plane["velocity"], overrides, judge)
+        answer = answer_dataset(models, variables, overrides)
+        answers.append(with_mild_load_factor(answer, case))
     return with_governing_row(join_cases(ds, cases, answers))
+
+
+def _point_of(case: CaseResults) -> dict[str, xr.DataArray]:
+    """Load and velocity of a case that has a single one of both."""
+    if case.own_load is None and max(len(case.loads), len(case.velocities)) > 1:
+        raise InputError("no operating point is given; give a load and a velocity")
+    load, velocity = case.own_load or case.loads[0], case.velocities[0]
+    return {"load": xr.DataArray(load), "velocity": xr.DataArray(velocity)}
 
 
 def _is_load(value: Any) -> bool:
@@ -164,26 +176,6 @@ def _is_load(value: Any) -> bool:
     with suppress(UnitError):
         return isinstance(value, str) and to_si(value, "1 N") > 0
     return False
-
-
-def _margin_of_case(
-    case: CaseResults,
-    points: Mapping[str, xr.DataArray],
-    overrides: Mapping[str, xr.DataArray],
-    judge: _Judge,
-) -> xr.Dataset:
-    """Judge operating points of one case; `points` has their loads and velocities."""
-    points = arguments_of_case(points, case.labels)
-    overrides = arguments_of_case(overrides, case.labels)
-    if not points:
-        if case.own_load is None and max(len(case.loads), len(case.velocities)) > 1:
-            raise InputError("no operating point is given; give a load and a velocity")
-        points = {
-            "load": xr.DataArray(case.own_load or case.loads[0]),
-            "velocity": xr.DataArray(case.velocities[0]),
-        }
-    models, variables = _evaluate(case, points["load"], points["velocity"], overrides, judge)
-    return with_mild_load_factor(answer_dataset(models, variables, overrides), case)
 
 
 def _evaluate(
@@ -233,13 +225,6 @@ def _evaluate(
     }
 
 
-def _judge_with_limits(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
-    """Variables of `margin` at k points."""
-    columns = _judge(model, points)
-    points = points._replace(**{axis: columns[axis] for axis in PLANE})
-    return columns | _mild_limits(model, points, columns["verdict"], columns["critical_friction"])
-
-
 def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     """Variables of `margin` at k points, without limits."""
     load_range, velocity_range = model.ranges["load"], model.ranges["velocity"]
@@ -248,7 +233,7 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
         velocity=np.array([snap(speed, *velocity_range) for speed in points.velocity.tolist()]),
     )
     columns = model.points(points)
-    columns |= end_temperatures(model, points, columns["governing_temperature"])
+    columns |= model.end_temperatures(points, columns["governing_temperature"])
     is_known = ~np.isnan(columns["log_rise_ratio"])
     known = points.take(is_known)
     for axis in ("velocity", "load"):
@@ -263,15 +248,15 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     return columns | points._asdict()
 
 
-def _mild_limits(
-    model: VerdictModel, points: QueryPoints, verdicts: Indices, critical_friction: Array
-) -> dict[str, Any]:
-    """Mild limits of load, velocity and friction at k points, and their safety factors."""
+def _judge_with_limits(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
+    """Variables of `margin` at k points: those of `_judge`, mild limits and safety factors."""
+    columns = _judge(model, points)
+    points = points._replace(**{axis: columns[axis] for axis in PLANE})
+    verdicts = columns["verdict"]
     is_known = verdicts != UNKNOWN
     known = points.take(is_known), verdicts[is_known]
     limits = {axis: line_limits(model, axis, [MILD], *known)[0] for axis in ("velocity", "load")}
-    limits["friction"] = friction_limits(model, known[0], critical_friction[is_known])
-    columns = dict[str, Any]()
+    limits["friction"] = friction_limits(model, known[0], columns["critical_friction"][is_known])
     for name, (values, sides) in limits.items():
         columns[f"mild_{name}"] = _spread(is_known, values)
         columns[f"mild_{name}_side"] = _spread(is_known, sides, Side.UNKNOWN)
@@ -366,9 +351,9 @@ def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
         "severe_velocity_side": severe.sides,
         "velocity_error": total(parts),
         **{f"velocity_error_{part}": error for part, error in zip(PARTS, parts, strict=True)},
-        "ruled_out_by": model.ruling_tests(points, mild.values, severe.values),
+        "ruled_out_by": model.evidence.texts_on_limits(points, mild.values, severe.values),
         **_film_parameters(model, "load", critical),
-        **end_temperatures(model, critical),
+        **model.end_temperatures(critical),
     }
 
 

@@ -18,7 +18,7 @@ from pipeline.sweep.case import Conditions, Variant
 from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
-from tribo import QUANTILES, InputError, WarningKind
+from tribo import QUANTILES, InputError, Stages, WarningKind
 from tribo.constants import SLOWEST
 from tribo.simulation.verdict import (
     columns_needed,
@@ -257,6 +257,39 @@ class CaseResults:
     def durations(self) -> Array:
         """Time of loading of each point [s]."""
         return np.asarray(np.nan_to_num(self.array("time"), nan=-np.inf).max(axis=-1))
+
+
+def outside_reason(
+    case: CaseResults, ranges: Mapping[str, tuple[float, float]], **point: float
+) -> str:
+    """Reason that a load and a velocity are unknown; empty if they lie within `ranges`."""
+    outside = {
+        name: value
+        for name, value in point.items()
+        if not (ranges[name][0] <= value <= ranges[name][1] and value > 0)
+    }
+    if not outside:
+        return ""
+    texts = []
+    for name, value in outside.items():
+        (low, high), unit = ranges[name], UNITS[name]
+        texts.append(f"{name} {value:g} {unit} is outside the sweep ({low:g} to {high:g} {unit})")
+    limits = ", ".join(texts)
+    if not all(0 < value < math.inf for value in point.values()):
+        return f"{limits}; give a value inside it"
+    if case.own_load is not None and "velocity" not in outside:
+        return f"{limits}; add a factor to sweep.load_factors, and run the scene again"
+    if case.is_row:
+        requested = ", ".join(f"{name} {value:g} {UNITS[name]}" for name, value in point.items())
+        return (
+            f"{requested} is not a case of the sweep, in which each case has its own load and "
+            "velocity; add it to sweep.along, and run the scene again"
+        )
+    if isinstance(case.sweep.scene.loading, Stages):  # which end at the highest load
+        return f"{limits}; run the scene with it into another store"
+    names = {"load": "sweep.loads", "velocity": "sweep.velocities"}
+    entries = " and ".join(names[name] for name in outside)
+    return f"{limits}; add it to {entries}, and run the scene again"
 
 
 def _require_label(name: str, labels: Array, values: Array) -> None:

@@ -13,7 +13,7 @@ import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from pipeline.answers.condition_values import QueryPoints
 from pipeline.answers.input_errors import InputErrors, input_errors
 from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.specimen import Specimen
+from pipeline.answers.value_text import join_texts
 from pipeline.constants import OUTLIER_PROBABILITY
 from pipeline.sweep.case import (
     Case,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from pipeline.answers.critical_temperature import CriticalTemperature
 
 _EQUAL_WITHIN = 1e-9  # relative rounding difference of equal conditions
+_ROUNDING_OF_LIMITS = 2e-5  # relative, within which a limit is that of a test
 _MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
 
 
@@ -70,14 +72,6 @@ class EvaluatedTest:
 
     def rules_out(self, verdict: str, points: QueryPoints) -> Mask:
         """True at points (k,) at which the test rules out a `verdict`, "mild" or "severe"."""
-        signs = self._signs(verdict, points)
-        is_no_easier = (signs >= 0).all(axis=0)
-        # A transition without a step allows both verdicts at its own point.
-        is_strict = self.test.outcome == "transition" and len(self.test.points) == 1
-        return np.asarray(is_no_easier & ((signs > 0).any(axis=0) | (not is_strict)))
-
-    def _signs(self, verdict: str, points: QueryPoints) -> Array:
-        """Signs (4, k) of points minus test, reversed for severe wear; −1 if it is mute."""
         conditions = self.conditions
         if (
             conditions is None
@@ -85,10 +79,14 @@ class EvaluatedTest:
             or self.test.outcome == verdict
             or (verdict == "severe" and self.is_outside)
         ):
-            return np.full((4, len(points.load)), -1.0)
+            return np.zeros(points.load.shape, bool)
         own = *self.end_for(verdict), conditions.friction, conditions.bulk_temperature
         signs = np.array([_sign(a, b) for a, b in zip(points, own, strict=True)])
-        return signs if verdict == "mild" else -signs
+        if verdict == "severe":
+            signs = -signs
+        # A transition without a step allows both verdicts at its own point.
+        is_strict = self.test.outcome == "transition" and len(self.test.points) == 1
+        return np.asarray((signs >= 0).all(axis=0) & ((signs > 0).any(axis=0) | (not is_strict)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,20 +192,36 @@ class Evidence:
         withheld = np.full(points.load.shape, bool(self.withheld[verdict]))
         return functools.reduce(np.logical_or, masks, withheld)
 
-    def ruling(self, verdict: str, points: QueryPoints) -> list[list[EvaluatedTest]]:
-        """Tests that rule out `verdict`, "mild" or "severe", at each point (k,)."""
+    def objections(self, verdict: str, points: QueryPoints) -> list[str]:
+        """Reason why each point (k,) cannot be `verdict`, "mild" or "severe"; empty if it can."""
+        if self.withheld[verdict]:
+            return [self.withheld[verdict]] * len(points.load)
+        names = (dict.fromkeys(map(str, rows)) for rows in self._ruling(verdict, points))
+        return [f"{', '.join(n)} rules it out" if n else "" for n in names]
+
+    def texts_on_limits(self, points: QueryPoints, mild: Array, severe: Array) -> Any:
+        """Tests that decide the `mild` or `severe` limits of velocity (k,) at the loads of points.
+
+        The texts are empty without such a test.
+        """
+        texts = np.full(points.load.shape, "", object)
+        for verdict, beyond, words in (
+            ("mild", mild * (1 + _ROUNDING_OF_LIMITS), "mild wear from"),
+            ("severe", severe * (1 - _ROUNDING_OF_LIMITS), "severe wear up to"),
+        ):
+            for k, rows in enumerate(self._ruling(verdict, points._replace(velocity=beyond))):
+                if rows:
+                    text = f"{rows[0]} rules out {words} {rows[0].end_for(verdict)[1]:g} m/s"
+                    texts[k] = join_texts((texts[k], text))
+        return texts
+
+    def _ruling(self, verdict: str, points: QueryPoints) -> list[list[EvaluatedTest]]:
+        """Tests that rule out `verdict` at each point (k,)."""
         masks = [row.rules_out(verdict, points) for row in self.rows]
         return [
             [row for row, mask in zip(self.rows, masks, strict=True) if mask[k]]
             for k in range(len(points.load))
         ]
-
-    def objections(self, verdict: str, points: QueryPoints) -> list[str]:
-        """Reason why each point (k,) cannot be `verdict`, "mild" or "severe"; empty if it can."""
-        if self.withheld[verdict]:
-            return [self.withheld[verdict]] * len(points.load)
-        names = (dict.fromkeys(map(str, rows)) for rows in self.ruling(verdict, points))
-        return [f"{', '.join(n)} rules it out" if n else "" for n in names]
 
 
 def outcome_of(rows: list[EvaluatedTest], added_scatter: float = 0.0) -> Outcome:

@@ -14,7 +14,6 @@ import xarray as xr
 
 from pipeline.answers.error import PARTS
 from pipeline.answers.headline import headline, limit_text, probability_line
-from pipeline.answers.hottest_end import is_severe_at_end
 from pipeline.answers.load_factors import load_factor_lines
 from pipeline.answers.value_text import (
     OUTSIDE,
@@ -24,9 +23,9 @@ from pipeline.answers.value_text import (
     format_error,
     range_text,
     split_texts,
+    variable_texts,
     verdict_text,
 )
-from pipeline.answers.variable_texts import variable_texts
 from pipeline.messages import listed
 from pipeline.quantities import UNITS, in_unit
 from pipeline.store.schema import PLANE
@@ -235,11 +234,14 @@ def _contact_warnings(answer: xr.Dataset) -> Iterator[Fact]:
     flags, texts = answer["warning_flags"], list[str]()
     if "contact_at_edge" in flag_names(flags, int(np.bitwise_or.reduce(flags.values.ravel()))):
         texts.append("the contact reaches the edge of the window nearby; increase window.pixels")
-    if "end_temperature" in answer and is_severe_at_end(answer).any():
-        texts.append(
-            "the hottest end of the pin is above the critical temperature, but the verdict on the "
-            "whole pin is mild; relieve the ends, or let them wear"
-        )
+    if "end_temperature" in answer:
+        margin = answer["temperature_margin"]
+        critical = answer["governing_temperature"] + margin
+        if ((margin > 0) & (answer["end_temperature"] > critical)).any():
+            texts.append(
+                "the hottest end of the pin is above the critical temperature, but the verdict on "
+                "the whole pin is mild; relieve the ends, or let them wear"
+            )
     for text in texts:
         at = "at some points, " if flags.ndim else ""
         yield Fact("contact", f"warning: {at}{text}", is_sentence=True)

@@ -13,9 +13,9 @@ from pipeline.answers.value_text import (
     flag_names,
     format_limit,
     probability_text,
+    variable_texts,
     verdict_text,
 )
-from pipeline.answers.variable_texts import variable_texts
 from pipeline.quantities import UNITS
 
 _REMEDIES = {

@@ -33,6 +33,13 @@ from tribo.types import Array
 STEP = math.log(INPUT_STEP)
 """Change of ln(input) on either side."""
 FACTORS = INPUT_STEP, 1 / INPUT_STEP
+_NAMES = {
+    "pin": "pin {}", "friction": "friction", "oil": "viscosity of the oil",
+    "loading.rate": "loading rate", "loading.stages": "hold of the stages",
+    "motion": "slide–roll ratio", "temperature": "{} temperature", "disk.roughness.ra": "Ra",
+    "disk.roughness.rsm": "RSm", "disk.roughness.height_unit": "height scale of the scan",
+}  # fmt: skip
+"""Names of inputs for people, by path or by table, whose entries are in place of the braces."""
 Variants = Sequence[tuple[Variant, TestPoint]]
 """Variants of a case, each with its point."""
 _LogRises = dict[tuple[str, OperatingPoint, float], float]
@@ -145,9 +152,13 @@ class InputErrors:
 
     @property
     def largest(self) -> tuple[str, float]:
-        """Name of the input that contributes most, and its part of the deviation."""
+        """Name of the input that contributes most, and its part of the deviation.
+
+        It is such as "Ra with correlation length" if inputs have their uncertainty in common.
+        """
         first = int(np.argmax(self.parts))
-        return uncertainty_name(self.uncertainties[first]), float(self.parts[first])
+        name = " with ".join(map(input_name, self.uncertainties[first].entries))
+        return name, float(self.parts[first])
 
 
 def input_errors(case: CaseResults, conditions: Conditions) -> InputErrors | None:
@@ -175,27 +186,10 @@ def input_errors(case: CaseResults, conditions: Conditions) -> InputErrors | Non
     return InputErrors(uncertainties, parts[:, np.argmax(np.square(parts).sum(axis=0))])
 
 
-def uncertainty_name(uncertainty: Uncertainty) -> str:
-    """Name of the inputs of an uncertainty, such as "Ra with correlation length"."""
-    return " with ".join(map(input_name, uncertainty.entries))
-
-
 def input_name(path: str) -> str:
     """Name of an input for people, such as "thermal conductivity of steel"."""
     table, _, name = path.rpartition(".")
     words = name.replace("_", " ")
     if table.startswith("materials."):
         return f"{words} of {table.removeprefix('materials.')}"
-    special = {"pin": f"pin {words}", "friction": "friction"}
-    special |= {"oil": "viscosity of the oil"}
-    special |= {"loading": f"loading {words}" if name == "rate" else words}
-    special |= {"loading.stages": "hold of the stages", "motion": "slide–roll ratio"}
-    special |= {"temperature": f"{words} temperature"}
-    special |= {
-        "disk.roughness": {
-            "ra": "Ra",
-            "rsm": "RSm",
-            "height_unit": "height scale of the scan",
-        }.get(name, words)
-    }
-    return special.get(table, words)
+    return _NAMES.get(path) or _NAMES.get(table, "{}").format(words)

@@ -14,7 +14,7 @@ import xarray as xr
 from pipeline.answers.answer_frames import row_labels
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.scene_wording import named_value
-from pipeline.answers.variable_texts import variable_texts
+from pipeline.answers.value_text import variable_texts
 from pipeline.answers.verdict_limits import Side, round_to
 from pipeline.sweep.case_table import CASE
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.answers.case_results import CaseResults
+from pipeline.answers.case_results import CaseResults, outside_reason
 from pipeline.answers.condition_values import QueryPoints, oil_of, override_conditions
 from pipeline.answers.critical_temperature import evidence_with_critical_temperature
 from pipeline.answers.error import (
@@ -29,27 +29,24 @@ from pipeline.answers.error import (
 from pipeline.answers.evidence import Evidence, evidence_of
 from pipeline.answers.field import Field, LineOutcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
-from pipeline.answers.sweep_range import outside_reason
-from pipeline.answers.value_text import join_texts
 from pipeline.constants import MAX_EXTRAPOLATION, VERDICT_PROBABILITIES
 from pipeline.quantities import display
 from pipeline.sweep.case import Conditions, known_critical_temperature
 from pipeline.sweep.sweep import Sweep
 from tribo import WarningKind
+from tribo.thermal.quantiles import rise_exceeded
 from tribo.types import Array, Indices, Mask
 
 MILD, UNDECIDED, SEVERE, OUTSIDE, UNKNOWN = range(5)
 """Codes of verdicts on the next specimen."""
 VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
 """Names of these codes."""
-SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
 ORIGINS = "simulated", "interpolated", "extrapolated"
 _OTHER_OIL = "the tests are left out: they hold for the critical temperature of the scene, {}"
 _INFERRED = (
     "the tests are left out: the scene infers its critical temperature from them, and another one "
     "is given"
 )
-_ROUNDING_OF_LIMITS = 2e-5  # relative, within which a limit is that of a test
 _TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 
 
@@ -246,18 +243,25 @@ class VerdictModel:
         load, velocity, log_rise, errors, is_outside, is_film_unknown = rises
         verdict, ruled_out, probabilities, log_ratio, error = self.judge(points, rises)
         is_known = ~np.isnan(log_rise)
-        reasons = self._reasons(points, log_rise)
+        reasons = np.full(is_known.shape, "", object)
+        for k in np.flatnonzero(~is_known).tolist():
+            point = {"load": float(points.load[k]), "velocity": float(points.velocity[k])}
+            reasons[k] = outside_reason(self.case, self.ranges, **point) or _TOO_FEW
         for code in (MILD, SEVERE):
             k = np.flatnonzero(ruled_out == code)
             reasons[k] = self.evidence.objections(VERDICTS[code], points.take(k))
-        flags = self._at_edge(load, velocity) * Flag.CONTACT_AT_EDGE
-        flags += is_film_unknown * Flag.FILM_UNKNOWN
+        warned = ((self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0).astype(float)
+        is_at_edge = self.field.bilinear(warned, load, velocity) > 0
+        flags = is_at_edge * int(Flag.CONTACT_AT_EDGE) + is_film_unknown * int(Flag.FILM_UNKNOWN)
         has_no_verdict = is_outside | ~is_known
         low, probability, high = np.where(has_no_verdict, np.nan, probabilities)
         rise_per_friction = self.conditions.outside_factor * np.exp(log_rise)
         temperature_rise = points.friction * rise_per_friction
         temperature = points.bulk_temperature + temperature_rise
         critical = known_critical_temperature(self.conditions)
+        is_simulated = self.field.is_point(points.load, points.velocity)
+        is_extrapolated = self.field.is_extrapolated(load, velocity)
+        origins = np.select((is_simulated, is_extrapolated), (0, 2), 1)  # as in `ORIGINS`
         parts = {
             f"temperature_error_{part}": temperature_rise * part_error
             for part, part_error in zip(PARTS, errors, strict=True)
@@ -273,7 +277,7 @@ class VerdictModel:
             "temperature_error": temperature_rise * error,
             **parts,
             "critical_friction": (critical - points.bulk_temperature) / rise_per_friction,
-            "origin": np.where(is_known, self._origins(points, load, velocity), -1).astype(np.int8),
+            "origin": np.where(is_known, origins, -1).astype(np.int8),
             "warning_flags": (is_known * flags + (ruled_out >= 0) * Flag.RULED_OUT).astype(
                 np.int16
             ),
@@ -290,30 +294,6 @@ class VerdictModel:
         probabilities = np.stack([self.evidence.probability(y, bulks) for y in ratios])
         probabilities[0, np.isnan(error)], probabilities[2, np.isnan(error)] = 0.0, 1.0
         return probabilities
-
-    def _at_edge(self, load: Array, velocity: Array) -> Mask:
-        """True where the contact reaches the edge of the window at neighbouring points."""
-        is_at_edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
-        return self.field.bilinear(is_at_edge.astype(float), load, velocity) > 0
-
-    def _origins(self, points: QueryPoints, load: Array, velocity: Array) -> Indices:
-        """Code of the origin of each answer."""
-        is_simulated = self.field.is_point(points.load, points.velocity)
-        is_extrapolated = self.field.is_extrapolated(load, velocity)
-        codes = SIMULATED, EXTRAPOLATED
-        return np.select((is_simulated, is_extrapolated), codes, INTERPOLATED)
-
-    def _reasons(self, points: QueryPoints, log_rise: Array) -> Any:
-        """Reasons for points without an answer; an empty text for points with one."""
-        reasons, ranges = np.full(points.load.shape, "", object), self.ranges
-        values = np.stack([points.load, points.velocity])
-        low, high = np.transpose([ranges["load"], ranges["velocity"]])[..., None]
-        is_inside = ((low <= values) & (values <= high) & (values > 0)).all(axis=0)
-        for k in np.flatnonzero(~is_inside).tolist():
-            load, velocity = values[:, k].tolist()
-            reasons[k] = outside_reason(self.case, ranges, load=load, velocity=velocity)
-        reasons[np.isnan(log_rise) & (reasons == "")] = _TOO_FEW
-        return reasons
 
     def critical(self, axis: str, points: QueryPoints) -> dict[str, Any]:
         """Critical values along `axis`, on lines through the points' values on the other axis.
@@ -363,23 +343,25 @@ class VerdictModel:
         bulks = points.bulk_temperature
         return self.limits(points) + self.evidence.log_rise_ratio_quantiles(probability, bulks)
 
-    def ruling_tests(self, points: QueryPoints, mild: Array, severe: Array) -> Any:
-        """Tests that decide the `mild` or `severe` limits of velocity (k,) at the loads of points.
+    def end_temperatures(
+        self, points: QueryPoints, temperatures: Array | None = None
+    ) -> dict[str, Array]:
+        """Temperature at the hottest end of the pin at points (k,) [K], if the pin has free ends.
 
-        The notes are empty without such a test.
+        `temperatures` are the governing ones of the whole pin [K], by default the critical one.
         """
-        notes = np.full(points.load.shape, "", object)
-        for verdict, limits, words, side in (
-            ("mild", mild, "mild wear from", 1),
-            ("severe", severe, "severe wear up to", -1),
-        ):
-            beyond = points._replace(velocity=limits * (1 + side * _ROUNDING_OF_LIMITS))
-            for k, rows in enumerate(self.evidence.ruling(verdict, beyond)):
-                for row in rows[:1]:
-                    velocity = row.end_for(verdict)[1]
-                    text = f"{row} rules out {words} {velocity:g} m/s"
-                    notes[k] = join_texts((notes[k], text))
-        return notes
+        case, bulks = self.case, points.bulk_temperature
+        if "end_rise_ratio" not in case.ds:
+            return {}
+        if temperatures is None:
+            temperatures = np.full(bulks.shape, known_critical_temperature(self.conditions))
+        share, quantiles = self.conditions.critical_area_fraction, case.ds["area_fraction_below"]
+        ratios = rise_exceeded(case.array("end_rise_ratio"), share, quantiles.values)
+        is_known = case.done & (ratios > 0)
+        count = is_known.sum(axis=0)
+        means = np.where(is_known, ratios, 0.0).sum(axis=0) / np.where(count > 0, count, np.nan)
+        ratio = self.field.bilinear(means, points.load, points.velocity)
+        return {"end_temperature": bulks + ratio * (temperatures - bulks)}
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (4, k)."""

@@ -16,7 +16,7 @@ import pipeline
 from pipeline.answers.answer_frames import row_labels
 from pipeline.answers.facts import fact_lines
 from pipeline.answers.results import cases_of, sweep_of
-from pipeline.answers.variable_texts import variable_texts
+from pipeline.answers.value_text import variable_texts
 from pipeline.answers.verdict_limits import Side
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style

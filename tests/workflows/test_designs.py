@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from pipeline.answers.variable_texts import variable_texts
+from pipeline.answers.value_text import variable_texts
 from tests.helpers.stores import commit_all
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
