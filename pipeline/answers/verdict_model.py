@@ -248,8 +248,9 @@ class VerdictModel:
             point = {"load": float(points.load[k]), "velocity": float(points.velocity[k])}
             reasons[k] = outside_reason(self.case, self.ranges, **point) or _TOO_FEW
         for code in (MILD, SEVERE):
-            k = np.flatnonzero(ruled_out == code)
-            reasons[k] = self.evidence.objections(VERDICTS[code], points.take(k))
+            is_ruled_out = ruled_out == code
+            objections = self.evidence.objections(VERDICTS[code], points.take(is_ruled_out))
+            reasons[is_ruled_out] = objections
         warned = ((self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0).astype(float)
         is_at_edge = self.field.bilinear(warned, load, velocity) > 0
         flags = is_at_edge * int(Flag.CONTACT_AT_EDGE) + is_film_unknown * int(Flag.FILM_UNKNOWN)
