@@ -32,7 +32,6 @@ MARKS: dict[int, tuple[str, dict[str, Any]]] = {
 """Label and mark of a row by its verdict."""
 _USUAL_WIDTH = 8.0  # [in]
 _MAX_LABELS = 40  # most rows that are all labelled
-_HEADINGS = "probability\nof severe\nwear", "safety\nfactor of\nfriction"
 _COLUMN_WIDTH = 6.2  # of a column of numbers, over the size of the font
 _SIGNS = {"less than": "<", "more than": ">", "below": "<", "above": ">"}
 """Shorter words for narrow columns."""
@@ -144,7 +143,17 @@ def _label_rows(
         np.arange(len(labels))[:: -(-len(labels) // _MAX_LABELS)], [critical_row]
     )
     ticks = axes.set_yticks(labelled_rows, [labels[row] for row in labelled_rows])
-    columns = dict(zip(_HEADINGS, _column_texts(margins), strict=True))
+    probabilities, factors = (
+        variable_texts(margins, name).values.tolist()
+        for name in ("probability", "friction_safety_factor")
+    )
+    is_unknown = margins["temperature_margin"].isnull().values
+    columns = {
+        "probability\nof severe\nwear": np.where(
+            is_unknown, "unknown", [*map(_with_signs, probabilities)]
+        ),
+        "safety\nfactor of\nfriction": factors,
+    }
     for tick, row in zip(ticks, labelled_rows, strict=True):
         tick.label1.set_fontweight("bold" if row == critical_row else "normal")
     for column, (heading, texts) in enumerate(columns.items()):
@@ -160,20 +169,6 @@ def _label_rows(
                 texts[row], (1.0, row), (offset, 0), xycoords=("axes fraction", "data"),
                 va="center", fontweight="bold" if row == critical_row else "normal", **look,
             )  # fmt: skip
-
-
-def _column_texts(margins: xr.Dataset) -> tuple[list[str], list[str]]:
-    """Probability of severe wear and safety factor of friction of each row, as texts."""
-    probabilities, factors = (
-        variable_texts(margins, name).values.tolist()
-        for name in ("probability", "friction_safety_factor")
-    )
-    is_unknown = np.isnan(margins["temperature_margin"].values)
-    probability_texts = [
-        "unknown" if unknown else _with_signs(probability) if factor else ""
-        for unknown, probability, factor in zip(is_unknown, probabilities, factors, strict=True)
-    ]
-    return probability_texts, factors
 
 
 def _with_signs(text: str) -> str:

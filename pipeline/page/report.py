@@ -83,21 +83,11 @@ class PageTable(NamedTuple):
     bold: int = -1
 
 
-class Picture(NamedTuple):
-    """A figure of a page, as a data URL."""
-
-    url: str
-    caption: str
-
-
-class Listing(NamedTuple):
-    """Text of a page whose lines stay as they are."""
-
-    text: str
-
-
 Section = tuple[str, list[Any]]
-"""Heading of a section, and its parts; a list of strings is printed as a list."""
+"""Heading of a section, and its parts: a table, a string, or a list of strings.
+
+A mapping is a figure, with its `caption` and a data `url`, or `text` whose lines stay as they are.
+"""
 
 
 class Page(NamedTuple):
@@ -354,7 +344,7 @@ def _closing_sections(ds: xr.Dataset, version: str) -> list[Section]:
         _PAPER,
     ]
     return [
-        ("Inputs", [Listing(str(ds.attrs.get("scene", ""))), sources]),
+        ("Inputs", [{"text": ds.attrs.get("scene")}, sources]),
         ("How this was computed", [origin]),
     ]
 
@@ -366,13 +356,13 @@ def _table(frame: pd.DataFrame, caption: str, bold: int = -1) -> PageTable:
     return PageTable(caption, headings, cells_of(frame, "–", digits=3), bold)
 
 
-def _picture(draw: Callable[[], Figure], caption: str) -> Picture:
+def _picture(draw: Callable[[], Figure], caption: str) -> dict[str, str]:
     """A figure without title and caption, which a table below it must repeat."""
     with fitted(plain=True):
         svg = io.BytesIO()
         draw().savefig(svg, format="svg", metadata={"Date": None})
     url = f"data:image/svg+xml;base64,{base64.b64encode(svg.getvalue()).decode()}"
-    return Picture(url, caption)
+    return {"url": url, "caption": caption}
 
 
 def _sentences(lines: Iterable[str]) -> list[str]:
