@@ -125,19 +125,16 @@ def infer(options: argparse.Namespace) -> Result:
     tests, values = pipeline.compare_tests(ds), pipeline.infer(ds)
     result = {str(name): value.item() for name, value in values.items()}
     count = pluralized(tests.sizes["test"], "test", "tests")
-    if not math.isnan(result["at_least"]):
-        bound = display(result["at_least"], "°C", 3)
-        finding = f"critical temperature: at least {bound} (95 %), from {count}"
-    elif not math.isnan(result["at_most"]):
-        bound = display(result["at_most"], "°C", 3)
-        finding = f"critical temperature: at most {bound} (95 %), from {count}"
-    else:
-        celsius = in_unit(result["critical_temperature"], "°C")
-        finding = (
-            f"critical temperature {format_value(celsius, result['spread_this_rig'])} °C; standard "
-            f"deviation {result['spread_another_rig']:.2g} "
-            f"K for another rig, {result['spread_this_rig']:.2g} K for this one, from {count}"
-        )
+    celsius = in_unit(result["critical_temperature"], "°C")
+    finding = (
+        f"critical temperature {format_value(celsius, result['spread_this_rig'])} °C; standard "
+        f"deviation {result['spread_another_rig']:.2g} K for another rig, "
+        f"{result['spread_this_rig']:.2g} K for this one, from {count}"
+    )
+    for name in ("at_least", "at_most"):  # by tests of a single outcome
+        if not math.isnan(result[name]):
+            bound = f"{name.replace('_', ' ')} {display(result[name], '°C', 3)}"
+            finding = f"critical temperature: {bound} (95 %), from {count}"
     frame = answer_frame(tests)
     validity = _MODEL.format(values.attrs["model"])
     table = without_columns(comparison_frame(tests))

@@ -74,19 +74,11 @@ Conditions = Mapping[str, Any]
 """Conditions of an answer, by name."""
 
 
-class PageTable(NamedTuple):
-    """A table of a page; the row with the index `bold` stands out."""
-
-    caption: str
-    headings: list[str]
-    rows: list[list[str]]
-    bold: int = -1
-
-
 Section = tuple[str, list[Any]]
-"""Heading of a section, and its parts: a table, a string, or a list of strings.
+"""Heading of a section, and its parts: a string, a list of strings, or a mapping.
 
-A mapping is a figure, with its `caption` and a data `url`, or `text` whose lines stay as they are.
+A table has `caption`, `headings` and `rows`; that with the index `bold` stands out. A figure has
+`caption` and a data `url`. A `text` keeps its lines.
 """
 
 
@@ -216,7 +208,8 @@ def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> P
         *fact_lines(margin, "not included", "contact", *NOTES),
     ]
     rows = [[fact.name, fact.value] for fact in facts(margin) if not fact.is_sentence]
-    table = PageTable("The operating point in numbers", ["quantity", "value"], rows)
+    headings = ["quantity", "value"]
+    table = {"caption": "The operating point in numbers", "headings": headings, "rows": rows}
     sections, appendix = _plane_sections(ds, conditions, [(load, velocity)])
     title = f"{HEADLINES[verdict]} at {load:g} N and {velocity:g} m/s"
     appendix.insert(0, ("Operating point", [table]))
@@ -349,11 +342,12 @@ def _closing_sections(ds: xr.Dataset, version: str) -> list[Section]:
     ]
 
 
-def _table(frame: pd.DataFrame, caption: str, bold: int = -1) -> PageTable:
+def _table(frame: pd.DataFrame, caption: str, bold: int = -1) -> dict[str, Any]:
     """Table with the values of a data frame; the row with the index `bold` stands out."""
     frame = without_columns(frame.replace("", None))
     headings = [str(column).replace("_", " ") for column in frame]
-    return PageTable(caption, headings, cells_of(frame, "–", digits=3), bold)
+    rows = cells_of(frame, "–", digits=3)
+    return {"caption": caption, "headings": headings, "rows": rows, "bold": bold}
 
 
 def _picture(draw: Callable[[], Figure], caption: str) -> dict[str, str]:
