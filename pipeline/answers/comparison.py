@@ -116,4 +116,6 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
         "at_least": critical.at_least,
         "at_most": critical.at_most,
     }
-    return with_attributes(xr.Dataset(values)).assign_attrs(model=model_words(case.sweep))
+    answer = with_attributes(xr.Dataset(values)).assign_attrs(model=model_words(case.sweep))
+    answer["critical_temperature"].attrs["long_name"] = "critical temperature from tests, median"
+    return answer
