@@ -43,6 +43,12 @@ _ENDS = {
     False: 'without a known size; pin.ends = "free" computes them',
 }
 """What to do about the ends of a pin, by whether the pin rests and wears."""
+_CASE_COLUMNS = {
+    "Hertz half-width [µm]": "hertz_half_width", "pressure [GPa]": "hertz_pressure",
+    "pin [m/s]": "pin_velocity", "disk [m/s]": "disk_velocity",
+    "slide–roll ratio": "slide_roll_ratio", "Λ": "film_parameter",
+}  # fmt: skip
+"""Numbers of the contact of each case, by heading."""
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
@@ -95,28 +101,18 @@ def check(options: argparse.Namespace) -> Result:
 def _case_estimate(case: SingleCase) -> dict[str, Any]:
     """Numbers of a row at its own load and velocity [SI]."""
     contact = estimate_contact(replace(case.sweep, loads=(case.load,)))
-    numbers = {
-        "half_width": contact.hertz_half_width,
-        "pressure": contact.hertz_pressure,
-        "pin_velocity": contact.pin_velocity,
-        "disk_velocity": contact.disk_velocity,
-        "slide_roll_ratio": contact.slide_roll_ratio,
-        "film_parameter": contact.film_parameter or Span(math.nan, math.nan),
-    }
-    values = {name: span.low for name, span in numbers.items()}
+    spans = {name: getattr(contact, name) for name in _CASE_COLUMNS.values()}
+    values = {name: span.low if span else math.nan for name, span in spans.items()}
     return {"case": case.label, "load": case.load, **values}
 
 
 def _case_frame(cases: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """Table of the contacts in the cases of a sweep, each at its own load and velocity."""
-    headings = (
-        "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
-        "slide–roll ratio", "Λ",
-    )  # fmt: skip
-    rows = [[*case.values()] for case in cases]
-    return frame_of(
-        headings, [(*row[:2], *(float(f"{value:.4g}") for value in row[2:])) for row in rows]
-    )
+    rows = [
+        (label, load, *(float(f"{value:.4g}") for value in values))
+        for label, load, *values in (case.values() for case in cases)
+    ]
+    return frame_of(("case", "load [N]", *_CASE_COLUMNS), rows)
 
 
 def _meaning_rows(

@@ -38,12 +38,6 @@ def quantity(text: str, like: str) -> float:
     return value
 
 
-def sides(text: str) -> tuple[float, float]:
-    """Read the sides of a pixel [m] from ``DX,DY``, or from one length for a square pixel."""
-    side_x, comma, side_y = text.partition(",")
-    return quantity(side_x, "0.8 um"), quantity(side_y if comma else side_x, "0.8 um")
-
-
 @_refusing
 def count(text: str, minimum: int = 1) -> int:
     """Read a whole number of at least `minimum`."""

@@ -46,9 +46,9 @@ def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check)
     assert (first["case"], last["case"]) == ("A", "E")
     modulus = 209e9 / (2 * (1 - 0.28**2))
     for row, radius in ((first, 7.403e-3), (last, 5.094e-3)):
-        line, half = 2976 / 20e-3, row["half_width"]
+        line, half = 2976 / 20e-3, row["hertz_half_width"]
         assert half == pytest.approx((4 * line * radius / (math.pi * modulus)) ** 0.5, rel=1e-3)
-        assert row["pressure"] == pytest.approx(2 * line / (math.pi * half), rel=1e-3)
+        assert row["hertz_pressure"] == pytest.approx(2 * line / (math.pi * half), rel=1e-3)
         mean = (row["pin_velocity"] + row["disk_velocity"]) / 2
         ratio = (row["disk_velocity"] - row["pin_velocity"]) / mean
         assert row["slide_roll_ratio"] == pytest.approx(ratio)
