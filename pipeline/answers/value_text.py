@@ -121,7 +121,7 @@ def _with_sides(answer: xr.Dataset, name: str, texts: xr.DataArray) -> xr.DataAr
             side = _BETWEEN_LIMITS.get(limits, "outside" if side == "outside" else "unknown")
         end = {"below": low, "above": high}.get(side)
         if text or end is None:
-            return text or side
+            return text or ("" if is_factor else side)  # the verdict of a row says the others
         return f"{side} {format_limit(end, side == 'above') if is_factor else f'{end:g}'}"
 
     sides = (answer[code].copy(data=code_text(answer[code])) for code in codes)
