@@ -6,6 +6,7 @@ import argparse
 import shlex
 import sys
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -122,12 +123,15 @@ def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame
             hint = [f"{len(frame) - _MAX_ROWS} more rows: use --all, or -o TABLE.csv"]
         numbers = answer_frame(margins, "temperature_margin")
         frame = frame.loc[numbers.sort_values("temperature margin [K]").index].head(_MAX_ROWS)
-    return [f"{total}: {count_of_each}", *_table_text(margins, frame, *hint)]
+    return [f"{total}: {count_of_each}", *_table_text(margins, frame, hint)]
 
 
-def _table_text(answer: xr.Dataset, table: pd.DataFrame, *hint: str) -> list[str | pd.DataFrame]:
-    """A table of an answer, with a hint on it, and the facts of the answer."""
-    return [*fact_lines(answer, *HEAD), "", table, "", *hint, *other_lines(answer, HEAD)]
+def _table_text(
+    answer: xr.Dataset, table: pd.DataFrame, hint: Sequence[str] = (), omitted: Sequence[str] = ()
+) -> list[str | pd.DataFrame]:
+    """A table of an answer, with a hint on it, and the facts of the answer that are not omitted."""
+    facts = other_lines(answer, (*HEAD, *omitted))
+    return [*fact_lines(answer, *HEAD), "", table, "", *hint, *facts]
 
 
 def boundary(options: argparse.Namespace) -> Result:
@@ -150,10 +154,12 @@ def boundary(options: argparse.Namespace) -> Result:
     return Result(text=wrapped(text), frames=[frame])
 
 
-def boundary_text(boundary: xr.Dataset, by: str = "load") -> list[str | pd.DataFrame]:
-    """The table of a boundary, its rows by load or by velocity, and lines on it."""
+def boundary_text(
+    boundary: xr.Dataset, by: str = "load", omitted: Sequence[str] = ()
+) -> list[str | pd.DataFrame]:
+    """The table of a boundary, its rows by load or by velocity, and its facts but those omitted."""
     table = without_columns(boundary_frame(boundary, by))
-    return _table_text(boundary, table)
+    return _table_text(boundary, table, omitted=omitted)
 
 
 def plot(options: argparse.Namespace) -> Result:

@@ -129,7 +129,7 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
     if not sweep_of(ds).base.is_judged:
         return [f"temperatures are in {store}; there is no verdict without temperature.critical"]
     if not {*PLANE} <= {*ds["status"].dims}:
-        lines = wrapped([*fact_lines(pipeline.margin(ds), "mild load factor")])
+        lines = wrapped(fact_lines(pipeline.margin(ds), "mild load factor"))
         return [*lines, f"next: irg margin {store}, irg plot {store}"]
     if max(ds.sizes[axis] for axis in PLANE) == 1:
         return [f"one point has no boundary; next: irg margin {store}"]
@@ -137,7 +137,8 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
     if not case_dims(ds):  # irg boundary has a table of several cases
         # Without a boundary, for example if too few points are done, irg boundary prints why.
         with suppress(InputError):
-            text = wrapped(boundary_text(pipeline.boundary(ds)))
+            # Notes are printed already.
+            text = wrapped(boundary_text(pipeline.boundary(ds), omitted=["note"]))
     return [*text, f"next: irg boundary {store}, irg plot {store}"]
 
 

@@ -36,7 +36,7 @@ def undrawn(monkeypatch):
     from pipeline.page import report
 
     empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
-    monkeypatch.setattr(report, "_picture", lambda _, caption: report.Picture(empty, caption))
+    monkeypatch.setattr(report, "_picture", lambda _, caption: {"url": empty, "caption": caption})
 
 
 _PROGRESS = re.compile(r"^irg: .*, [^,]+ so far(, [^,]+ to go)?\n", re.MULTILINE)
