@@ -33,7 +33,7 @@ from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
 from pipeline.figures.tests_figure import UNDECIDED_LABEL, mark_tests
-from pipeline.kinds import LOAD, VELOCITY, Kind
+from pipeline.kinds import LOAD, VELOCITY
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
 from tribo import InputError
@@ -103,24 +103,20 @@ def diagram(
     return figure
 
 
-def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[OperatingPoint]:
+def _operating_points(load: Any, velocity: Any) -> list[OperatingPoint]:
     """Operating points in SI, from loads and velocities that are pairs."""
-    loads = _values_in_si("load", load, LOAD)
-    velocities = _values_in_si("velocity", velocity, VELOCITY)
+    loads, velocities = (
+        argument_array(axis, values, kind.argument, axis).values.ravel().tolist()
+        if values is not None and np.size(values)
+        else []
+        for axis, values, kind in (("load", load, LOAD), ("velocity", velocity, VELOCITY))
+    )
     if len(loads) != len(velocities):
         raise InputError(
             f"loads ({len(loads)}) and velocities ({len(velocities)}) cannot be paired; give equal "
             "numbers of both"
         )
     return [*zip(loads, velocities, strict=True)]
-
-
-def _values_in_si(axis: str, values: Any, kind: Kind) -> list[float]:
-    """Loads or velocities of an option, in SI; an empty list without any."""
-    if values is None or not np.size(values):
-        return []
-    numbers: list[float] = argument_array(axis, values, kind.argument, axis).values.ravel().tolist()
-    return numbers
 
 
 def _case_with_plane(ds: xr.Dataset) -> CaseResults:
