@@ -48,6 +48,8 @@ def variable_texts(answer: xr.Dataset, name: str) -> xr.DataArray:
     are unchanged.
     """
     variable, unit = answer[name], printed_unit(answer, name)
+    if name not in answer.data_vars:
+        return variable
     if name.endswith("probability"):
         texts = _texts(probability_text, variable)
     elif _LIMIT.fullmatch(name):

@@ -186,6 +186,12 @@ def test_a_table_states_on_which_side_of_the_sweep_a_safety_factor_lies():
     assert (frame["verdict"] == ["mild", "severe"]).all()
 
 
+def test_a_column_of_a_user_stays_as_typed_whatever_its_name():
+    columns = {"load [N]": [300.0], "velocity [m/s]": [1.0], "height_error": ["a text"]}
+    frame = margin_frame(pipeline.margin(synthetic.sweep(tests=()), columns))
+    assert frame["height error"].tolist() == ["a text"]
+
+
 def advice(ds, load, velocity, **conditions):
     return to_decide(pipeline.margin(ds, load, velocity, **conditions))
 
