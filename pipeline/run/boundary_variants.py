@@ -12,10 +12,9 @@ from pipeline.answers.case_results import CaseResults
 from pipeline.answers.results import ascending, cases_of
 from pipeline.answers.verdict_model import verdict_model
 from pipeline.scene.variants import expected_variants, spread, uncertain_inputs, variants_of
-from pipeline.store.create import find_sweep
+from pipeline.store.create import find_sweep, mismatches
 from pipeline.store.dataset import store_dataset
 from pipeline.store.location import PathLike
-from pipeline.store.resume import mismatches
 from pipeline.store.store import Store, opened
 from pipeline.sweep.case import VELOCITY_INPUT
 from pipeline.sweep.case_table import CaseName

@@ -22,11 +22,10 @@ from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
 from pipeline.run.goal import GoalPlan
 from pipeline.scene.scene_file import sweep_of
 from pipeline.scene.variants import expected_variants
-from pipeline.store.create import enlarged, find_sweep, versions, writing
+from pipeline.store.create import changes_in_words, enlarged, find_sweep, versions, writing
 from pipeline.store.dataset import store_dataset
 from pipeline.store.location import PathLike
 from pipeline.store.points import copy_points
-from pipeline.store.resume import changes_in_words
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.status import FailedPoint, Summary, summary_of
 from pipeline.store.store import Store, opened
