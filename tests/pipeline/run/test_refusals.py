@@ -72,11 +72,11 @@ ELSEWHERE = {
     "drive.ended ExecutionError": "test_cluster.py",
     "sensitivity._critical_velocity InputError": "test_sensitivity.py",
     "sensitivity._row_at InputError": "test_sensitivity.py",
-    "watch._wait_for_worker ExecutionError": "test_cluster.py",
-    "watch._check ExecutionError": "test_cluster.py",
-    "watch._check_scheduler ExecutionError": "test_cluster.py",
-    "watch.require_program ExecutionError": "test_cluster.py",
-    "watch.reached ExecutionError": "test_cluster.py",
+    "cluster._wait_for_worker ExecutionError": "test_cluster.py",
+    "cluster._check ExecutionError": "test_cluster.py",
+    "cluster._check_scheduler ExecutionError": "test_cluster.py",
+    "cluster.require_program ExecutionError": "test_cluster.py",
+    "cluster.reached ExecutionError": "test_cluster.py",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

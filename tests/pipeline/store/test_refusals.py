@@ -179,7 +179,7 @@ REFUSALS = {
 
 ELSEWHERE = {
     "create._require_same_scene StoreMismatchError": "test_create.py, in several lines",
-    "resume._union InputError": "test_create.py, as a StoreMismatchError",
+    "create._union InputError": "test_create.py, as a StoreMismatchError",
     "lock.locked StoreError": "a run that ended between opening the lock and taking it",
     "store._require_lock StoreError": "test_writing.py",
     "store.read StoreError": "test_create.py: enlarged since it was opened",
