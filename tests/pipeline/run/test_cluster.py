@@ -23,11 +23,10 @@ import xarray as xr
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
 from distributed.scheduler import KilledWorker
 from distributed.utils import CancelledError
-from pipeline.run.watch import Watch
 
 from pipeline import ExecutionError, run_point, run_sweep, summary, verify_store
 from pipeline.run import drive, work
-from pipeline.run.cluster import CONFIGURATION, ENVIRONMENT, client_of, connected
+from pipeline.run.cluster import CONFIGURATION, ENVIRONMENT, Watch, client_of, connected
 from pipeline.run.work import PROGRAM, _hash_of_code
 from tests.helpers import tiny
 from tests.helpers.reported import Heard
