@@ -6,9 +6,9 @@
   velocity to the power of `RISE_EXPONENT`. Where it grows more slowly, the same error of the rise
   is a larger one of the velocity.
 - Warnings of neighbouring points.
-- Positions: a pin at rest under a line contact wears by strips of the disk at some positions, and
-  others would give another rise. The error falls with the number of realizations. It is no property
-  of the surface, and counts also for a scan, whose surface is fixed.
+- Positions: a pin at rest under a line contact wears by the disk, or strips of it, at some
+  positions, and others would give another rise. The error falls with the number of realizations. It
+  is no property of the surface, and counts also for a scan, whose surface is fixed.
 - Surface: other realizations of it have other summits.
 
 Each part is a bound that holds at 95 % or more of all loads and velocities. The parts are
@@ -28,7 +28,7 @@ import numpy as np
 from pipeline.answers.pchip import Pchip
 from pipeline.constants import (
     EXPONENT_ERROR,
-    FREE_ENDS_BOUNDS,
+    FREE_ENDS_POSITION_LIMIT,
     HIGHEST_TEMPERATURE_BOUNDS,
     HIGHEST_TEMPERATURE_FRACTION,
     LARGE_AREA_FRACTION,
@@ -306,15 +306,7 @@ def preset_error_of(sweep: Sweep) -> float | None:
 
     It is known only for presets, adapted to the scene.
     """
-    return _bound_of(sweep, str(_preset(sweep)))
-
-
-def _bound_of(sweep: Sweep, preset: str) -> float | None:
-    """`preset_bound` of a sweep, which is larger for a pin that is computed with its ends."""
-    bound = preset_bound(preset, sweep.conditions.critical_area_fraction)
-    if bound is None or not has_free_ends(sweep.scene):
-        return bound
-    return max(bound, FREE_ENDS_BOUNDS.get(preset, bound))
+    return preset_bound(str(_preset(sweep)), sweep.conditions.critical_area_fraction)
 
 
 def preset_bound(preset: str, share: float) -> float | None:
@@ -338,11 +330,17 @@ def finer_preset_error(sweep: Sweep) -> float:
     presets, preset = [*PRESET_BOUNDS], _preset(sweep)
     finer = presets.index(preset) + 1 if preset in presets else 0
     name = presets[min(finer, len(presets) - 1)]
-    return float(_bound_of(sweep, name) or math.nan)
+    return float(preset_bound(name, sweep.conditions.critical_area_fraction) or math.nan)
 
 
 def position_limit(sweep: Sweep) -> float:
-    """Largest relative error of a rise by positions of the disk; 0 without strips."""
+    """Largest relative error of a rise by positions of the disk.
+
+    It is 0 unless a pin wears by strips of the disk, or is computed with its ends and wears by the
+    disk at many positions.
+    """
+    if sweep.scene.sweeps_over and has_free_ends(sweep.scene):
+        return FREE_ENDS_POSITION_LIMIT
     return POSITION_LIMIT if sweep.scene.wears_by_strips else 0.0
 
 

@@ -1,8 +1,12 @@
-"""Whether the bounds of presets hold for pins that are computed with their ends.
+"""Whether the stated errors of presets hold for pins that are computed with their ends.
+
+The rise errs by the preset, and at random by the positions of the disk at which the pin wears. A
+rise is right if it is within both errors, as one realization states them; 95 % of the rises must.
 
 Short pins are compared with `reference`. Pins of the length of `whole_pin` are too large for it:
 they are compared with `fine` at a contact tolerance of 0.01. Short pins have pixels of a fifth of
-the correlation length, as the shipped scene has, and every other one has a lay or relieved ends.
+the correlation length, as the shipped scene has, and every other one has a lay or relieved ends. A
+short pin takes up to 40 s of CPU time and 0.3 GB of memory, and a long one 1 min and 1.5 GB.
 
     python -m tests.promises.pins [--short N] [--long N] [--minutes M]
 """
@@ -14,17 +18,27 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from scipy.special import stdtrit
 
 import pipeline
-from pipeline.answers.error import preset_error_of
+from pipeline.constants import (
+    FREE_ENDS_POSITION_LIMIT,
+    POSITION_SHARE,
+    PRESET_BOUNDS,
+    RISE_EXPONENT,
+)
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.moving_disk import decisive
-from tribo import PRESETS, TriboError, simulate, warnings
-from tribo.constants import SLOWEST
+from tribo import PRESETS, QUANTILES, TriboError, simulate, warnings
+from tribo.simulation import fit_elements, heat
 
 JUDGED = "standard", "fine"
 _STEP = 0.1  # of ln(velocity), for the exponent of the rise
-HEADS = "pins", "N", "m/s", *(f"error of `{name}` [%]" for name in JUDGED), "exponent", "warnings"
+MIN_HELD = 0.95  # the level of all bounds
+HEADS = (
+    "pins", "N", "m/s", *(f"error of `{name}` [%]" for name in JUDGED),
+    *(f"stated by `{name}` [%]" for name in JUDGED), "exponent", "warnings",
+)  # fmt: skip
 FILE = Path("results/pins.jsonl")
 
 
@@ -73,8 +87,21 @@ def rise(scene, fidelity, load, velocity):
     return decisive(state.heat), state
 
 
+def stated(scene, state, velocity):
+    """Errors of the rise that one realization states with each preset."""
+    sampling = heat(fit_elements(scene, state.normal_load), state, velocity, True).sampling
+    freedom, deviation = (
+        sampling["rise_realization_freedom"],
+        sampling["rise_realization_std"][QUANTILES.index(0.9)],
+    )
+    positions = FREE_ENDS_POSITION_LIMIT
+    if freedom:
+        positions = min(POSITION_SHARE * stdtrit(freedom, 0.975) * deviation, positions)
+    return [float(np.hypot(RISE_EXPONENT * PRESET_BOUNDS[name], positions)) for name in JUDGED]
+
+
 def computed(task):
-    """Row of the file of a pin: velocity errors of the presets, exponent and warnings."""
+    """Row of the file of a pin: errors of rises by the presets, stated errors, and warnings."""
     kind, number = task
     began, (entries_of, truth) = time.process_time(), KINDS[kind]
     entries, load, velocity = entries_of(number)
@@ -86,7 +113,8 @@ def computed(task):
         faster, _ = rise(scene, PRESETS["standard"], load, velocity * np.exp(_STEP))
         exponent = float(np.log(faster / rises[0]) / _STEP)
         true, _ = rise(scene, truth, load, velocity)
-        row["errors"] = (-np.log(np.array(rises) / true) / max(exponent, SLOWEST)).tolist()
+        row["errors"] = np.log(np.array(rises) / true).tolist()
+        row["stated"] = stated(scene, states[0], velocity)
         row |= {"exponent": exponent, "warnings": _labels(scene, states)}
     except TriboError as error:
         row["failed"] = str(error)
@@ -120,18 +148,20 @@ def main():
         (
             row["name"], f"{row['load']:.0f}", f"{row['velocity']:.2f}",
             *(f"{100 * error:+.2f}" for error in row["errors"]),
+            *(f"{100 * error:.2f}" for error in row["stated"]),
             f"{row['exponent']:.2f}", ", ".join(row["warnings"]),
         )
         for row in rows
     ]  # fmt: skip
-    largest = np.abs([row["errors"] for row in rows]).max(axis=0)
-    bounds = [preset_error_of(pipeline.load_scene("whole_pin", preset=name)) for name in JUDGED]
+    errors, bounds = (np.array([row[key] for row in rows]) for key in ("errors", "stated"))
+    is_held = np.abs(errors) <= bounds
     statement = ", ".join(
-        f"`{name}` {error:.2%} of {bound:.2%}"
-        for name, error, bound in zip(JUDGED, largest, bounds, strict=True)
+        f"`{name}` {is_held[:, k].sum()} of {len(rows)}, at most {np.abs(errors[:, k]).max():.2%}, "
+        f"root mean square {np.sqrt(np.square(errors[:, k]).mean()):.2%}"
+        for k, name in enumerate(JUDGED)
     )
-    text = f"{table(HEADS, lines)}\n\nlargest errors of {len(rows)} pins: {statement}"
-    return conclude("pins", text, bool((largest <= bounds).all()))
+    text = f"{table(HEADS, lines)}\n\nrises within their stated errors: {statement}"
+    return conclude("pins", text, bool(is_held.mean() >= MIN_HELD))
 
 
 if __name__ == "__main__":

@@ -60,7 +60,10 @@ def test_it_counts_in_a_goal_on_a_fixed_surface(limit, is_out):
     assert search.is_out_of_reach({0, 1}) == is_out
 
 
-def test_only_a_pin_that_wears_under_strips_has_it():
+def test_only_a_pin_that_wears_by_the_disk_at_some_positions_has_it():
     assert position_limit(pipeline.load_scene("first_try")) == 0.013
-    local = pipeline.load_scene("first_try", overrides={"wear.pattern": "local"})
-    assert position_limit(local) == 0.0
+    assert position_limit(pipeline.load_scene("whole_pin")) == 0.037
+    for scene in ("first_try", "whole_pin"):
+        local = pipeline.load_scene(scene, overrides={"wear.pattern": "local"})
+        assert position_limit(local) == 0.0
+    assert position_limit(pipeline.load_scene("ball_on_disk")) == 0.0
