@@ -6,7 +6,7 @@ rise is right if it is within both errors, as one realization states them; 95 % 
 Short pins are compared with `reference`. Pins of the length of `whole_pin` are too large for it:
 they are compared with `fine` at a contact tolerance of 0.01. Short pins have pixels of a fifth of
 the correlation length, as the shipped scene has, and every other one has a lay or relieved ends. A
-short pin takes up to 40 s of CPU time and 0.3 GB of memory, and a long one 1 min and 1.5 GB.
+short pin takes up to 40 s of CPU time and 0.3 GB of memory, and a long one up to 3 min and 1.5 GB.
 
     python -m tests.promises.pins [--short N] [--long N] [--minutes M]
 """
