@@ -230,8 +230,9 @@ ENTRIES = {
     "both": (entry("sweep.velocities", {"step": "1 m/s", "count": 4}), "either step or count"),
     "falling": (entry("sweep.velocities.to", "0.1 m/s"), "is descending"),
     "falling band": (entry("friction.band", [0.2, 0.1]), "falls; give the lower first"),
-    "materials": (entry("materials", 3), "3 is not a table of tables; give at least one table "
-                  "under a name of your choice, each a table with elastic_modulus"),
+    "materials": (entry("materials", 3), "3 is not a table of tables"),
+    "what materials are": (entry("materials", 3), "; give at least one table under a name of your "
+                           "choice, each a table with elastic_modulus"),
     "entries as a preset": (lambda: load_scene("first_try", {"pin.radius": "3 mm"}),
                             "entries of a scene go into overrides="),
     "pin": (entry("pin", 3), "3 is not a table; expected a table with"),
