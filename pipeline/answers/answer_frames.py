@@ -147,7 +147,8 @@ def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
         "critical_velocity_p50": "50 %", f"severe_{axis}": "severe from",
         f"film_parameter_at_{by}": "film", "velocity_error": "error",
     }  # fmt: skip
-    if not has_counted_tests(answer):
+    tests = answer.attrs["tests"] if "tests" in answer.attrs else answer["tests"]
+    if not np.any(tests):  # with a result within the model
         del headings["critical_velocity_p50"]
     names = [name for name in headings if name in answer and by in answer[name].dims]
     short = {_heading(k, answer): _heading(k, answer, headings[k]) for k in names}
@@ -174,8 +175,3 @@ def _heading(name: str, answer: xr.Dataset, title: str = "") -> str:
         title = name.replace("_", " ")  # margins have both
     unit = printed_unit(answer, name) if name in answer.variables else ""
     return f"{title} [{unit}]" if unit else title
-
-
-def has_counted_tests(answer: xr.Dataset) -> bool:
-    """True if tests with a result within the model changed the probabilities of an answer."""
-    return bool(np.any(answer.attrs["tests"] if "tests" in answer.attrs else answer["tests"]))

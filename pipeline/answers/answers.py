@@ -322,18 +322,16 @@ def boundary(
             raise InputError(
                 f"{name} is a single value; select a list instead: ds.sel({name}=[{value}])"
             )
-    return join_cases(ds, cases, [_boundary_of_case(case, overrides) for case in cases])
-
-
-def _boundary_of_case(case: CaseResults, overrides: Mapping[str, xr.DataArray]) -> xr.Dataset:
-    """Boundary of one case under each combination of conditions."""
-    overrides = arguments_of_case(overrides, case.labels)
-    variables: dict[str, Any] = {"load": case.loads, "velocity": case.velocities}
-    for dim, compute in (("load", _along_velocity), ("velocity", _along_load)):
-        line = xr.DataArray(variables[dim], {dim: variables[dim]}, dim)
-        models, computed = _evaluate(case, line, line, overrides, compute)
-        variables |= {name: array.transpose(..., dim) for name, array in computed.items()}
-    return answer_dataset(models, variables, overrides)
+    answers = list[xr.Dataset]()
+    for case in cases:
+        case_overrides = arguments_of_case(overrides, case.labels)
+        variables: dict[str, Any] = {"load": case.loads, "velocity": case.velocities}
+        for dim, compute in (("load", _along_velocity), ("velocity", _along_load)):
+            line = xr.DataArray(variables[dim], {dim: variables[dim]}, dim)
+            models, computed = _evaluate(case, line, line, case_overrides, compute)
+            variables |= {name: array.transpose(..., dim) for name, array in computed.items()}
+        answers.append(answer_dataset(models, variables, case_overrides))
+    return join_cases(ds, cases, answers)
 
 
 def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:

@@ -56,7 +56,8 @@ def remedies(model: VerdictModel, points: QueryPoints) -> Indices:
     rises = model.rises(points)
     codes = np.zeros(points.load.shape, np.int16)
     is_computable = _is_decided_without(model, points, rises, [*_PARTS])
-    for combination in _combinations():
+    numbers = range(1, len(_PARTS) + 1)
+    for combination in itertools.chain(*(itertools.combinations(_PARTS, n) for n in numbers)):
         rest = np.flatnonzero(is_computable & (codes == 0))
         rest_points = points.take(rest), rises.take(rest)
         is_decided = _is_decided_without(model, *rest_points, combination)
@@ -80,12 +81,6 @@ def _with_known_input(model: VerdictModel) -> VerdictModel | None:
     inputs = evidence.inputs.without_largest
     known = replace(evidence, inputs=inputs, prior=prior_of(base, inputs))
     return replace(model, evidence=known)
-
-
-def _combinations() -> list[tuple[Remedy, ...]]:
-    """Remedies by computing, alone and together, by their number."""
-    numbers = range(1, len(_PARTS) + 1)
-    return [*itertools.chain(*(itertools.combinations(_PARTS, number) for number in numbers))]
 
 
 def _is_decided_without(

@@ -214,7 +214,11 @@ class VerdictModel:
         """Verdicts on points (k,), which have these `rises`."""
         log_ratio = rises.log_rise - self.limits(points)
         error = total(rises.errors)
-        probabilities = self._probabilities(log_ratio, error, points.bulk_temperature)
+        log_error, bulks = np.log1p(np.nan_to_num(error)), points.bulk_temperature
+        ratios = log_ratio - log_error, log_ratio, log_ratio + log_error
+        probabilities = np.stack([self.evidence.probability(y, bulks) for y in ratios])
+        # Where the error is unknown, the bounds are 0 and 1.
+        probabilities[0, np.isnan(error)], probabilities[2, np.isnan(error)] = 0.0, 1.0
         verdict = np.select(
             (
                 np.isnan(rises.log_rise),
@@ -284,17 +288,6 @@ class VerdictModel:
             ),
             "reason": reasons,
         }
-
-    def _probabilities(self, log_ratio: Array, error: Array, bulks: Array) -> Array:
-        """Probability of severe wear at its lower bound, at `log_ratio`, and at its upper bound.
-
-        Where the `error` is unknown, the bounds are 0 and 1.
-        """
-        log_error = np.log1p(np.nan_to_num(error))
-        ratios = log_ratio - log_error, log_ratio, log_ratio + log_error
-        probabilities = np.stack([self.evidence.probability(y, bulks) for y in ratios])
-        probabilities[0, np.isnan(error)], probabilities[2, np.isnan(error)] = 0.0, 1.0
-        return probabilities
 
     def critical(self, axis: str, points: QueryPoints) -> dict[str, Any]:
         """Critical values along `axis`, on lines through the points' values on the other axis.
