@@ -29,11 +29,12 @@ from pipeline.answers.scene_wording import (
 )
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.value_text import join_texts
-from pipeline.answers.verdict_limits import Side
+from pipeline.answers.verdict_limits import Side, round_to
 from pipeline.answers.verdict_model import ORIGINS, VERDICTS, Flag, VerdictModel
 from pipeline.condition_kinds import CONDITIONS
 from pipeline.messages import pluralized
 from pipeline.store.schema import PLANE
+from pipeline.sweep.case_table import CASE
 from pipeline.sweep.sweep import BODIES, cold_tracks
 from tribo import Corrections, Track
 from tribo.simulation.corrections import NEEDED
@@ -103,6 +104,8 @@ _CODES = {
 """Names of the codes 0, 1, 2 … of a variable."""
 _FLAGS: dict[str, type[IntFlag]] = {"warning_flags": Flag, "decided_by": Remedy}
 """Flags of a variable, each a bit."""
+SIDES = Side.BELOW, Side.INSIDE, Side.ABOVE
+"""Sides of limits of rows that have one, that of the smallest limit first."""
 ATTRIBUTES = (
     "conditions", "model_error", "uncertain_inputs", "largest_input", "realizations", "tests",
     "outliers",
@@ -300,3 +303,36 @@ def _notes(model: VerdictModel) -> Iterator[str]:
             "the rises of the dataset were changed, but not those of the tests, which are a group "
             "of their own; without_tests=True leaves the tests out"
         )
+
+
+# Mild load factors of rows, which are simulated at several shares of their load
+
+
+def with_mild_load_factor(answer: xr.Dataset, case: CaseResults) -> xr.Dataset:
+    """Margins of a row with its mild load factor; unchanged without load factors."""
+    if case.own_load is None:
+        return answer
+    mild_load, side = answer["mild_load"], answer["mild_load_side"]
+    factor = mild_load.copy(data=round_to(np.floor, mild_load.values / case.own_load))
+    ends = [case.load_factors[0], case.load_factors[-1]]
+    meaning = "largest share of the load of the row at which it is mild"
+    factor.attrs = {"units": "1", "long_name": meaning, "valid_range": ends}
+    side = side.assign_attrs(long_name="where mild_load_factor lies")
+    return answer.assign(mild_load_factor=factor, mild_load_factor_side=side)
+
+
+def with_governing_row(answer: xr.Dataset) -> xr.Dataset:
+    """Margins of rows; ``governs`` is true at the row with the smallest mild load factor.
+
+    Of several rows outside the simulated load factors it is that with the largest rise ratio.
+    """
+    if "mild_load_factor" not in answer or CASE not in answer.sizes:
+        return answer
+    names = "log_rise_ratio", "mild_load_factor", "mild_load_factor_side"
+    ratio, factor, side = (answer[name].transpose(..., CASE) for name in names)
+    rank = np.select([side == code for code in SIDES], range(len(SIDES)), len(SIDES))
+    order = np.lexsort((-ratio.values, np.nan_to_num(factor.values), rank))
+    is_first = np.arange(rank.shape[-1]) == order[..., :1]
+    governs = factor.copy(data=is_first & (rank < len(SIDES)))
+    governs.attrs = {"long_name": "the row has the smallest mild load factor of all rows"}
+    return answer.assign(governs=governs.transpose(*answer["mild_load_factor"].dims))

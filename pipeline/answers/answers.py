@@ -11,7 +11,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.answers.answer_dataset import answer_dataset, join_cases
+from pipeline.answers.answer_dataset import (
+    answer_dataset,
+    join_cases,
+    with_governing_row,
+    with_mild_load_factor,
+)
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import (
     PAIRS,
@@ -24,7 +29,6 @@ from pipeline.answers.condition_values import (
 )
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import LineOutcome
-from pipeline.answers.load_factors import with_governing_row, with_mild_load_factor
 from pipeline.answers.remedies import remedies
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_limits import Side, friction_limits, line_limits

@@ -12,9 +12,11 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from pipeline.answers.answer_dataset import SIDES
+from pipeline.answers.answer_frames import row_labels
 from pipeline.answers.error import PARTS
 from pipeline.answers.headline import headline, limit_text, probability_line
-from pipeline.answers.load_factors import load_factor_lines
+from pipeline.answers.scene_wording import named_value
 from pipeline.answers.value_text import (
     OUTSIDE,
     attribute_texts,
@@ -29,6 +31,7 @@ from pipeline.answers.value_text import (
 from pipeline.messages import listed
 from pipeline.quantities import UNITS, in_unit
 from pipeline.store.schema import PLANE
+from pipeline.sweep.case_table import CASE
 
 HEAD = "mild load factor", "conditions"
 """Names of what is printed above a table."""
@@ -245,3 +248,31 @@ def _contact_warnings(answer: xr.Dataset) -> Iterator[Fact]:
     for text in texts:
         at = "at some points, " if flags.ndim else ""
         yield Fact("contact", f"warning: {at}{text}", is_sentence=True)
+
+
+def load_factor_lines(margins: xr.Dataset) -> Iterator[str]:
+    """Lines on the smallest mild load factor of all rows; none without load factors."""
+    if "mild_load_factor" not in margins:
+        return
+    dims = [str(dim) for dim in margins.sizes if dim != CASE]
+    for index in np.ndindex(*(margins.sizes[dim] for dim in dims)):
+        rows = margins.isel(dict(zip(dims, index, strict=True)))
+        conditions = "".join(f" with {named_value(rows[dim])}" for dim in dims)
+        yield _load_factor_line(rows, conditions)
+
+
+def _load_factor_line(rows: xr.Dataset, conditions: str) -> str:
+    """Line on the mild load factor of one row, or on the smallest of several."""
+    texts = variable_texts(rows, "mild_load_factor").values
+    unchanged = "at unchanged bulk temperature and friction"
+    if not rows.sizes:
+        return f"mild load factor{conditions}: {texts.item()}, {unchanged}"
+    if not rows["governs"].any():
+        return f"mild load factor{conditions}: no row has one"
+    row = int(np.argmax(rows["governs"].values))
+    count = int(rows["mild_load_factor_side"].isin(SIDES).sum())
+    which = "all rows" if count == len(texts) else f"{count} of {len(texts)} rows"
+    return (
+        f"mild load factor of {which}{conditions}: {texts[row]}; {row_labels(rows, CASE)[row]} "
+        f"governs, {unchanged}"
+    )

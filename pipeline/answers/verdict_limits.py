@@ -8,14 +8,23 @@ that the limit is named after.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
-from pipeline.answers.condition_values import QueryPoints
-from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED, VerdictModel
+from pipeline.answers.condition_values import QueryPoints, override_conditions
+from pipeline.answers.results import cases_of
+from pipeline.answers.verdict_model import (
+    MILD,
+    OUTSIDE,
+    SEVERE,
+    UNDECIDED,
+    VerdictModel,
+    verdict_model,
+)
 from tribo.types import Array, Indices, Mask
 
 Side = IntEnum("Side", "INSIDE ABOVE BELOW OUTSIDE_MODEL UNKNOWN", start=0)
@@ -30,6 +39,7 @@ _PARTS_OF_GAP = 12  # between two simulated values
 _BISECTIONS = 24  # of the ratio of neighbouring nodes, to 1e-8 of a limit
 _LOG_FRICTIONS = 25.0  # largest |ln(limit over computed critical friction)|
 _BATCH_SIZE = 4000
+_JUST_BELOW = 1 - 1e-6  # of the load of a test, from which it rules verdicts out
 _DIGITS = 6  # of a limit, which is rounded to its own side
 
 
@@ -234,3 +244,60 @@ def round_to(side: Callable[[Array], Array], limits: Array) -> Array:
     with np.errstate(invalid="ignore", divide="ignore"):
         unit = 10.0 ** (np.floor(np.log10(limits)) - _DIGITS + 1)
     return np.asarray(side(limits / unit) * unit)
+
+
+# Regions of one verdict in the plane of load and velocity, for figures
+
+
+class Region(NamedTuple):
+    """Part of the plane with one verdict: at each of its loads (n,), from `start` to `end`."""
+
+    loads: Array  # ascending [N]
+    start: Array  # [m/s]
+    end: Array
+
+
+def regions(ds: xr.Dataset, conditions: Mapping[str, Any]) -> dict[int, list[Region]]:
+    """Regions of each verdict of the first case of a sweep, by the verdict's code.
+
+    Edges of mild and severe wear are the limits.
+    """
+    case = cases_of(ds)[0]
+    model = verdict_model(case, override_conditions(case.conditions, conditions))
+    loads = _dense_loads(model)
+    by_code = stretches(model, QueryPoints.under(model.conditions, loads, loads))
+    return {code: [*_joined_stretches(loads, parts)] for code, parts in by_code.items()}
+
+
+def _dense_loads(model: VerdictModel) -> Array:
+    """Loads (n,) dense enough for smooth edges, with corners at tests and at ends of the plane."""
+    low, high = model.ranges["load"]
+    ends = np.array(model.ranges["velocity"])
+    points = QueryPoints.under(model.conditions, ends, ends)
+    limits = [x.values for x in line_limits(model, "load", (MILD, SEVERE), points, None)]
+    tested = [load for row in model.evidence.rows for load, _ in row.test.points]
+    dense = dense_values(np.union1d(model.field.loads, (low, high)))
+    loads = np.concatenate([dense, *limits, np.outer(tested, (_JUST_BELOW, 1.0)).ravel()])
+    return np.unique(loads[(low <= loads) & (loads <= high)])
+
+
+def _joined_stretches(loads: Array, parts: Stretches) -> Iterator[Region]:
+    """Yield regions of stretches that overlap from one load to the next."""
+    open_chains = list[list[tuple[int, float, float]]]()
+    for line in range(len(loads)):
+        is_line, chains = parts.line == line, list[list[tuple[int, float, float]]]()
+        for start, end in zip(parts.start[is_line], parts.end[is_line], strict=True):
+            overlapping = (
+                chain for chain in open_chains if chain[-1][1] <= end and start <= chain[-1][2]
+            )
+            chain = next(overlapping, [])
+            open_chains = [other for other in open_chains if other is not chain]
+            chains.append([*chain, (line, float(start), float(end))])
+        yield from (_region(loads, chain) for chain in open_chains)
+        open_chains = chains
+    yield from (_region(loads, chain) for chain in open_chains)
+
+
+def _region(loads: Array, chain: list[tuple[int, float, float]]) -> Region:
+    lines, starts, ends = (np.array(column) for column in zip(*chain, strict=True))
+    return Region(loads[lines], starts, ends)

@@ -1,7 +1,7 @@
 """The transition diagram: mild and severe wear in the plane of velocity and load.
 
 It draws only variables of `pipeline.margin`, `pipeline.boundary` and `pipeline.points`, and the
-regions of `pipeline.answers.regions`.
+regions of `pipeline.answers.verdict_limits`.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from pipeline.answers.answers import plane_margins
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import argument_array
 from pipeline.answers.facts import ERRORS, fact_lines
-from pipeline.answers.regions import Region, regions
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import named_value
+from pipeline.answers.verdict_limits import Region, regions
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED, UNKNOWN, VERDICTS
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.figures import style

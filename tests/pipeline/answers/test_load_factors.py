@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.answers.load_factors import load_factor_lines
+from pipeline.answers.facts import load_factor_lines
 from pipeline.store.schema import PENDING
 from pipeline.sweep.case import Uncertainty
 from tests.helpers import synthetic
