@@ -210,8 +210,7 @@ LINEAR_UNCERTAINTY = 0.2
 With all inputs uncertain by as much, at three points each of a cylinder, a ball and a gear, the
 rule misses the standard deviation of ln(rise) by at most 2.1 %, and the probability of severe wear
 by at most 0.022 ± 0.002, which is on the ball. With 40 %, it misses the probability by 0.049 ±
-0.004 on the ball, at 50 and 150 N, and by 0.011 ± 0.005 on the cylinder. The rule states too high a
-probability there.
+0.004 on the ball, where it states too high a probability, and by 0.011 ± 0.005 elsewhere.
 
 Judged by `python -m tests.promises.inputs`.
 """
