@@ -133,7 +133,7 @@ def _labels(scene, states):
 
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.promises.pins", description=__doc__)
-    parser.add_argument("--short", type=int, default=10, help="pins of 1 mm")
+    parser.add_argument("--short", type=int, default=16, help="pins of 1 mm")
     parser.add_argument("--long", type=int, default=3, help="pins of 3.4 mm")
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no pin later")
     options = parser.parse_args()
