@@ -147,6 +147,7 @@ def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(elsew
     cluster, configured = elsewhere
     missing_module = r"this program: .*pipeline\.run\.work"
     with dask.config.set(configured), client_of(cluster.address) as client:
+        client.wait_for_workers(1)
         client.run(lambda: setattr(work, "PROGRAM", work.PROGRAM._replace(code="theirs")))
         with pytest.raises(ExecutionError, match=rf"tls://127.*theirs.*{PROGRAM.code}"):
             run_sweep(SHORT, tmp_path / "out.zarr", client=client)
