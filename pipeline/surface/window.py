@@ -11,7 +11,7 @@ import numpy as np
 from pipeline.quantities import display
 from tribo import InputError
 from tribo.surface.areal import remove_form
-from tribo.types import Array
+from tribo.types import Array, Indices
 
 
 def areas_of(shape: tuple[int, ...], pixels: tuple[int, int], is_mirrored: bool) -> tuple[int, int]:
@@ -103,7 +103,7 @@ def filled(heights: Array, max_share: float) -> Array:
     This is Laplace's equation. An `InputError` is raised if the share of missing heights is above
     `max_share`.
     """
-    from scipy.sparse.linalg import LaplacianNd, spsolve  # slow to import
+    from scipy import sparse  # slow to import
 
     is_hole = np.isnan(heights)
     if is_hole.sum() > max_share * heights.size:
@@ -112,11 +112,27 @@ def filled(heights: Array, max_share: float) -> Array:
             f"{_missing_words(heights)}, the first at x {first[0]}, y {first[1]} (counted from 0); "
             f"at most {100 * max_share:.2g} % are filled; measure again, or allow more (missing)"
         )
-    operator = LaplacianNd(heights.shape, boundary_conditions="neumann", dtype=float)
-    laplace = operator.tosparse().tocsr()[is_hole.ravel()]
-    known_sum = laplace @ np.nan_to_num(heights.ravel())
+    x, y = np.nonzero(is_hole)
+    hole_numbers = np.full(heights.shape, -1)
+    hole_numbers[x, y] = np.arange(len(x))
+    neighbour_count, known_sum = np.zeros(len(x)), np.zeros(len(x))
+    holes, neighbour_holes = list[Indices](), list[Indices]()
+    for step_x, step_y in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        neighbour_x, neighbour_y = x + step_x, y + step_y
+        is_inside = (neighbour_x >= 0) & (neighbour_y >= 0)
+        is_inside &= (neighbour_x < heights.shape[0]) & (neighbour_y < heights.shape[1])
+        numbers = np.flatnonzero(is_inside)
+        neighbours = neighbour_x[is_inside], neighbour_y[is_inside]
+        is_neighbour_hole = is_hole[neighbours]
+        neighbour_count[numbers] += 1
+        known_sum[numbers] += np.where(is_neighbour_hole, 0.0, heights[neighbours])
+        holes.append(numbers[is_neighbour_hole])
+        neighbour_holes.append(hole_numbers[neighbours][is_neighbour_hole])
+    pairs = np.concatenate(holes), np.concatenate(neighbour_holes)
+    adjacency = sparse.coo_array((np.ones(len(pairs[0])), pairs), (len(x), len(x)))
+    laplace = (sparse.diags_array(neighbour_count) - adjacency).tocsc()
     filled_heights = heights.copy()
-    filled_heights[is_hole] = spsolve(-laplace[:, is_hole.ravel()].tocsc(), known_sum)
+    filled_heights[is_hole] = sparse.linalg.spsolve(laplace, known_sum)
     return filled_heights
 
 
