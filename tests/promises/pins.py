@@ -7,8 +7,9 @@ Short pins are compared with `reference`. Pins of the length of `whole_pin` are 
 they are compared with `fine` at a contact tolerance of 0.01. Short pins have pixels of a fifth of
 the correlation length, as the shipped scene has, and every other one has a lay or relieved ends. A
 short pin takes up to 40 s of CPU time and 0.3 GB of memory, and a long one up to 3 min and 1.5 GB.
+Short pins that wear locally, or not at all, have no error by positions.
 
-    python -m tests.promises.pins [--short N] [--long N] [--minutes M]
+    python -m tests.promises.pins [--short N] [--local N] [--unworn N] [--long N] [--minutes M]
 """
 
 import argparse
@@ -21,12 +22,8 @@ import numpy as np
 from scipy.special import stdtrit
 
 import pipeline
-from pipeline.constants import (
-    FREE_ENDS_POSITION_LIMIT,
-    POSITION_SHARE,
-    PRESET_BOUNDS,
-    RISE_EXPONENT,
-)
+from pipeline.answers.error import position_limit
+from pipeline.constants import POSITION_SHARE, PRESET_BOUNDS, RISE_EXPONENT
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.moving_disk import decisive
 from tribo import PRESETS, QUANTILES, TriboError, simulate, warnings
@@ -69,6 +66,19 @@ def long_pin(number):
     return {"disk.roughness.seed": number} | _relief(number + 1), load, velocity
 
 
+def local_pin(number):
+    """Like `short_pin`, worn locally."""
+    entries, load, velocity = short_pin(number)
+    return entries | {"wear.pattern": "local"}, load, velocity
+
+
+def unworn_pin(number):
+    """Like `short_pin`, without wear."""
+    entries, load, velocity = short_pin(number)
+    entries.pop("wear.specific_wear_rate")
+    return entries | {"without": ["wear"]}, load, velocity
+
+
 def _relief(number):
     relieved = {"pin.relief.depth": "2 um", "pin.relief.length": "0.3 mm"}
     return relieved if number // 2 % 2 else {}
@@ -76,6 +86,8 @@ def _relief(number):
 
 KINDS = {
     "1 mm": (short_pin, PRESETS["reference"]),
+    "1 mm, local wear": (local_pin, PRESETS["reference"]),
+    "1 mm, no wear": (unworn_pin, PRESETS["reference"]),
     "3.4 mm": (long_pin, replace(PRESETS["fine"], contact_tolerance=0.01)),
 }
 """Entries of a pin of a number, and the fidelity that it is compared with, by length."""
@@ -87,14 +99,15 @@ def rise(scene, fidelity, load, velocity):
     return decisive(state.heat), state
 
 
-def stated(scene, state, velocity):
+def stated(sweep, state, velocity):
     """Errors of the rise that one realization states with each preset."""
+    scene = sweep.scene
     sampling = heat(fit_elements(scene, state.normal_load), state, velocity, True).sampling
     freedom, deviation = (
         sampling["rise_realization_freedom"],
         sampling["rise_realization_std"][QUANTILES.index(0.9)],
     )
-    positions = FREE_ENDS_POSITION_LIMIT
+    positions = position_limit(sweep)
     if freedom:
         positions = min(POSITION_SHARE * stdtrit(freedom, 0.975) * deviation, positions)
     return [float(np.hypot(RISE_EXPONENT * PRESET_BOUNDS[name], positions)) for name in JUDGED]
@@ -107,14 +120,15 @@ def computed(task):
     entries, load, velocity = entries_of(number)
     row = {"name": f"{kind}, {number}", "load": load, "velocity": velocity, "commit": commit()}
     try:
-        scene = pipeline.load_scene("whole_pin", "standard", entries).scene
+        sweep = pipeline.load_scene("whole_pin", "standard", entries)
+        scene = sweep.scene
         results = [rise(scene, PRESETS[name], load, velocity) for name in JUDGED]
         rises, states = zip(*results, strict=True)
         faster, _ = rise(scene, PRESETS["standard"], load, velocity * np.exp(_STEP))
         exponent = float(np.log(faster / rises[0]) / _STEP)
         true, _ = rise(scene, truth, load, velocity)
         row["errors"] = np.log(np.array(rises) / true).tolist()
-        row["stated"] = stated(scene, states[0], velocity)
+        row["stated"] = stated(sweep, states[0], velocity)
         row |= {"exponent": exponent, "warnings": _labels(scene, states)}
     except TriboError as error:
         row["failed"] = str(error)
@@ -134,10 +148,13 @@ def _labels(scene, states):
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.promises.pins", description=__doc__)
     parser.add_argument("--short", type=int, default=16, help="pins of 1 mm")
+    parser.add_argument("--local", type=int, default=6, help="short pins that wear locally")
+    parser.add_argument("--unworn", type=int, default=6, help="short pins without wear")
     parser.add_argument("--long", type=int, default=3, help="pins of 3.4 mm")
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no pin later")
     options = parser.parse_args()
-    counts = {"1 mm": options.short, "3.4 mm": options.long}
+    counts = [options.short, options.local, options.unworn, options.long]
+    counts = dict(zip(KINDS, counts, strict=True))
     tasks = [(kind, number) for kind, count in counts.items() for number in range(count)]
     done = {row["name"] for row in read(FILE)}
     missing = [task for task in tasks if f"{task[0]}, {task[1]}" not in done]
