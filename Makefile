@@ -64,12 +64,15 @@ slow: .venv/test      ## the long checks: pages as typed, the site, a notebook, 
 
 promises: .venv/test  ## judge presets, stated errors and accuracies that are asked for on random scenes, in some hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.positions
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.pins
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.moving_disk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.realizations
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.loads
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.inputs
 
 mutants: .venv/test   ## change formulas, bounds, rules and sentences: the tests of each room notice it, in minutes
 	$(BIN)/python -m tests.mutants
