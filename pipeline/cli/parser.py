@@ -92,7 +92,10 @@ def _refuse_word(parser: argparse.ArgumentParser, word: str) -> NoReturn:
     if word.startswith("-"):
         hint = did_you_mean(word, re.findall(r"--[a-z-]+", parser.format_usage()))
         parser.error(f"there is no option {quoted(word)}{hint}")
-    parser.error(f'{quoted(word)} is not expected; put text with a space in quotes, as in "400 N"')
+    advice = 'put text with a space in quotes, as in "400 N"'
+    if " " in word:
+        advice = 'write its option before it, as in --load "400 N"'
+    parser.error(f"{quoted(word)} is not expected; {advice}")
 
 
 def _require_command_first(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:

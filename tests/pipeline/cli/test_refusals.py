@@ -123,6 +123,8 @@ REFUSALS = {
                    'irg status: there is no option "--friction"; see irg status --help'),
     "misspelt": (irg("boundary", "a.zarr", "--fricton", "0.1"),
                  'there is no option "--fricton" (did you mean "--friction"?)'),
+    "no option": (irg("margin", "a.zarr", "400 N"),
+                  '"400 N" is not expected; write its option before it, as in --load "400 N"'),
     "no quotes": (irg("margin", "a.zarr", "400", "N"), '"400" is not expected; put text with a'),
     "no command": (irg(), "irg: a command is missing, such as irg run first_try"),
     "both": (irg("run", "a.toml", "--workers", "2", "--scheduler", "tcp://a:1"), "not allowed"),
