@@ -91,7 +91,8 @@ def read_tests(
         with faults.at(path):
             case = _changed_case(scene_of_test.case, scene.case)
             case = replace(case, scene=_with_stages(case.scene, entry, scene.tables))
-            tests.append(_test_of(entry, test_case(case, number, entry)))
+            case = test_case(case, number, entry.friction, entry.bulk_temperature)
+            tests.append(_test_of(entry, case))
     return tuple(tests)
 
 
@@ -177,15 +178,17 @@ def _changed_case(changed: Case, base: Case) -> Case:
     return replace(base, scene=changed.scene, preset=changed.preset, conditions=conditions)
 
 
-def test_case(case: Case, number: int, entry: Any) -> Case:
-    """The case of a test: `case` with the friction and bulk temperature of its `entry`."""
+def test_case(
+    case: Case, number: int, friction: float | None, bulk_temperature: float | None
+) -> Case:
+    """The case of a test: `case` with the friction and the bulk temperature [K] of the test."""
     conditions = replace(case.conditions, critical_temperature=None).with_loading(
         case.scene.loading
     )
-    if entry.bulk_temperature is not None:
-        conditions = replace(conditions, bulk_temperature=entry.bulk_temperature)
-    if entry.friction is not None:
-        conditions = replace(conditions, friction=entry.friction)
+    if bulk_temperature is not None:
+        conditions = replace(conditions, bulk_temperature=bulk_temperature)
+    if friction is not None:
+        conditions = replace(conditions, friction=friction)
     scene = case.scene
     if conditions.friction and not scene.friction_heat:
         scene = replace(scene, friction_heat=True)
@@ -201,8 +204,6 @@ def _test_of(entry: Any, case: Case) -> SpecimenTest:
         normal_load=entry.load,
         velocity=entry.velocity,
         case=case,
-        friction=entry.friction,
-        bulk_temperature=entry.bulk_temperature,
         outcome=entry.outcome,
         number=None if entry.number is None else str(entry.number),
         has_own_inputs=entry.inputs == "own",

@@ -17,7 +17,7 @@ from tribo.simulation.corrections import NEEDED
 from tribo.simulation.pin_ends import has_free_ends
 from tribo.types import Array
 
-FORMAT = 47
+FORMAT = 48
 """Version of the layout of stores, and of the defaults of the fields of stored classes."""
 NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""

@@ -143,8 +143,6 @@ class SpecimenTest:
     normal_load: float  # on the whole pin [N]
     velocity: float  # [m/s]
     case: Case
-    friction: float | None = None
-    bulk_temperature: float | None = None  # the same in both bodies [K]
     outcome: Literal["mild", "severe", "transition"] = "transition"
     number: str | None = None  # or name in answers; the same for both ends of a run by stages
     load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]

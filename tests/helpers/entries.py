@@ -1,6 +1,6 @@
 """Sweeps with other objects of the physics: they are data, and a test replaces what it wants."""
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 
 import tribo
 from pipeline.sweep.case import SpecimenTest
@@ -11,9 +11,17 @@ _SCENE = {field.name for field in fields(tribo.Scene)}
 _SWEEP = {field.name for field in fields(Sweep)} - {"base", "cases", "tests"}
 
 
+@dataclass(frozen=True)
+class BareTest(SpecimenTest):
+    """A test whose case lacks its friction and bulk temperature, or that has no case."""
+
+    friction: float | None = None
+    bulk_temperature: float | None = None
+
+
 def bare_test(load, velocity, friction=None, case=None, **more):
-    """A test with its own case; without one, `changed` adds it."""
-    return SpecimenTest(load, velocity, case, friction, **more)
+    """A test for `changed`, which builds its case; from `case`, or from that of the sweep."""
+    return BareTest(load, velocity, case, friction=friction, **more)
 
 
 class Rows(CaseTable):
@@ -40,7 +48,7 @@ def changed(sweep, **values):
         sweep_values["case_table"] = table
     copy = replace(sweep, base=base, cases=tuple(cases), source=None, **sweep_values)
     tests = values.get("tests", copy.tests)
-    numbered = (_with_case(test, k, copy.base) for k, test in enumerate(tests))
+    numbered = (_with_case(test, k, copy.base, sweep.base) for k, test in enumerate(tests))
     return replace(copy, tests=tuple(numbered))
 
 
@@ -49,11 +57,22 @@ def _seeded(name):
     return {"roughness.seed": seeds[0]} if seeds else {}
 
 
-def _with_case(test, number, base):
+def _with_case(test, number, base, unchanged_base):
+    """A test with a case of `base`; it keeps friction and bulk temperature of its own."""
     from pipeline.scene.tests import test_case
 
-    case = test.case if test.case and not test.case.name else base
-    return replace(test, case=test_case(case, number, test), number=test.number or str(number + 1))
+    values = {field.name: getattr(test, field.name) for field in fields(SpecimenTest)}
+    if isinstance(test, BareTest):
+        own, base = (test.friction, test.bulk_temperature), test.case or base
+    else:
+        of_test, of_sweep = test.case.conditions, unchanged_base.conditions
+        own = (
+            None if value == getattr(of_sweep, name) else value
+            for name in ("friction", "bulk_temperature")
+            for value in [getattr(of_test, name)]
+        )
+    case = test_case(base, number, *own)
+    return SpecimenTest(**values | {"case": case, "number": test.number or str(number + 1)})
 
 
 def _case(case, changes):

@@ -40,7 +40,8 @@ def fig10(study: Study) -> Recomputation:
     rows, transitions, off, local = [], [], [], []
     for entry in sweep.tests:
         load, measured = entry.normal_load, entry.velocity
-        pair = critical(load), critical(load, entry.friction)
+        friction = entry.case.conditions.friction
+        pair = critical(load), critical(load, friction)
         errors = [velocity / measured - 1 for velocity in pair]
         off.append(errors[0])
         local.append(float(by_local_wear["critical_velocity"].sel(load=load)) / measured - 1)
@@ -55,7 +56,7 @@ def fig10(study: Study) -> Recomputation:
                 "load": load,
                 "measured_velocity": measured,
                 "critical_velocity": pair[0],
-                "measured_friction": entry.friction,
+                "measured_friction": friction,
                 "critical_velocity_at_measured_friction": pair[1],
                 "off_by_local_wear": local[-1] if math.isfinite(local[-1]) else None,
             }

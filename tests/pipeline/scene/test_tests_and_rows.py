@@ -42,7 +42,7 @@ def test_a_run_by_stages_is_its_last_mild_test_and_its_severe_one_or_one_of_them
         (450.0, 2.0, "severe", "7"),
         (700.0, 2.0, "mild", tests[-1].number),
     ]
-    assert tests[-1].friction == 0.1
+    assert tests[-1].case.conditions.friction == 0.1
 
 
 def test_a_test_has_the_scene_with_its_own_entries(load):
