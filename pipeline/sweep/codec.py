@@ -43,7 +43,7 @@ def encode(
     with_defaults: bool = False,
     only_identity: bool = False,
 ) -> Any:
-    """Convert an object to plain data; its arrays go into `arrays`, by SHA-256.
+    """Convert an object to plain data; its arrays go into `arrays`, by `array_digest`.
 
     Dataclasses and named tuples become dictionaries with the name of their class, tuples lists.
     Fields that have their default are omitted, unless `with_defaults` is True. Fields for people

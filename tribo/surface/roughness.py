@@ -21,6 +21,8 @@ from tribo.numerics import Grid
 from tribo.surface.topography import self_affine
 from tribo.types import Array
 
+_ROUNDING_BITS = 17  # of the mean deviation of an array, which its digest takes into account
+
 
 class Surface(Protocol):
     """A surface of the disk. It must be hashable, and equal hashes must mean equal heights.
@@ -77,9 +79,17 @@ class SelfAffineRoughness:
 
 
 def array_digest(array: Array) -> str:
-    """SHA-256 of an array's shape and values, as hexadecimal text."""
-    numbers = np.ascontiguousarray(array, float)
-    return hashlib.sha256(repr(numbers.shape).encode() + numbers.tobytes()).hexdigest()
+    """SHA-256 of an array's shape and rounded values, as hexadecimal text.
+
+    Values are rounded to about 1e-5 of their mean deviation, such as Ra. So heights of a scan keep
+    their digest although each version of NumPy and SciPy levels them with other rounding errors.
+    """
+    numbers = np.asarray(array, float)
+    deviation = np.abs(numbers - numbers.mean()).mean()
+    # Its power of two does not depend on its last bits.
+    _, exponent = np.frexp(deviation)
+    rounded = np.rint(np.ldexp(numbers, _ROUNDING_BITS - exponent)) + 0.0  # without −0
+    return hashlib.sha256(repr(numbers.shape).encode() + rounded.tobytes()).hexdigest()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,7 +100,8 @@ class MeasuredRoughness:
     ----------
     array : ndarray, shape (nx, ny)
         Heights [m], positive towards the pin. Axis 0 is x, the sliding direction. An array of
-        float64 may be stored without a copy, so it must not be changed later.
+        float64 may be stored without a copy, so it must not be changed later. Surfaces are equal if
+        their heights are, within about 1e-5 of Ra.
 
     Examples
     --------

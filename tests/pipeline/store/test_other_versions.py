@@ -1,11 +1,13 @@
-"""Stores of versions whose classes have a field more or less (pipeline/sweep/codec.py)."""
+"""Stores of versions of this program whose classes differ, and of other versions of NumPy."""
 
 from dataclasses import field, fields, make_dataclass, replace
 
+import numpy as np
 import pytest
 
 import pipeline
-from pipeline.store.create import find_sweep
+import tribo
+from pipeline.store.create import find_sweep, writing
 from pipeline.sweep import stored
 from tests.helpers import tiny
 from tests.helpers.stores import commit, forge
@@ -73,3 +75,24 @@ def test_a_store_that_this_version_cannot_read_is_of_another_version(tmp_path, c
     assert reason in message
     assert "damaged" not in message
     assert "backup" not in message
+
+
+def scan(relative_error):
+    """Heights of a scan as a library levels them whose rounding errors differ by as much."""
+    heights = 3e-9 + tiny.sweep().scene.roughness.heights(tiny.sweep().scene.pixels)
+    signs = np.random.default_rng(0).choice([-1, 1], heights.shape)
+    return tribo.MeasuredRoughness(heights * (1 + relative_error * signs))
+
+
+def test_a_sweep_of_a_scan_goes_on_whatever_the_rounding_errors_of_its_heights(tmp_path):
+    begun, resumed, another = (tiny.sweep(roughness=scan(error)) for error in (0.0, 1e-15, 1e-4))
+    assert (begun.scene.roughness.array != resumed.scene.roughness.array).any()
+    assert (begun, hash(begun.scene)) == (resumed, hash(resumed.scene))
+    assert begun.meaning_digest == resumed.meaning_digest != another.meaning_digest
+    more_loads = replace(resumed, loads=(*resumed.loads, 800.0))
+    commit(tmp_path / "a.zarr", begun)
+    for sweep, count in ((resumed, 9), (more_loads, 12)):
+        with writing(tmp_path / "a.zarr", sweep) as store:
+            assert len(store.pending()) == count - 9
+    with pytest.raises(pipeline.StoreMismatchError, match=r"disk.roughness.*in the store"):
+        commit(tmp_path / "a.zarr", another, ())
