@@ -114,17 +114,14 @@ def mean_spacing(profile: Array, step: float, min_height: float) -> float | None
     """
     side = np.where(profile > min_height, 1, np.where(profile < -min_height, -1, 0))
     high_or_low = np.flatnonzero(side)
-    if high_or_low.size < 2:
-        return None
-    rises, falls = list[float](), list[float]()
-    for k in np.flatnonzero(np.diff(side[high_or_low])):
-        before, after = high_or_low[k], high_or_low[k + 1]
-        sign_changes = np.flatnonzero(np.diff(np.signbit(profile[before : after + 1])))
-        last = before + int(sign_changes[-1])
-        crossing = float(last + profile[last] / (profile[last] - profile[last + 1]))
-        (rises if side[after] > 0 else falls).append(crossing)
-    crossings = [positions for positions in (falls, rises) if len(positions) > 1]
+    after = high_or_low[1:][np.diff(side[high_or_low]) != 0]
+    # The last change of sign before each point from which on the profile is on the other side.
+    sign_changes = np.flatnonzero(np.diff(np.signbit(profile)))
+    last = sign_changes[np.searchsorted(sign_changes, after) - 1]
+    positions = last + profile[last] / (profile[last] - profile[last + 1])
+    falls, rises = positions[side[after] < 0], positions[side[after] > 0]
+    crossings = [ends for ends in (falls, rises) if ends.size > 1]
     if not crossings:
         return None
-    total_length = sum(positions[-1] - positions[0] for positions in crossings)
-    return step * total_length / sum(len(positions) - 1 for positions in crossings)
+    total_length = sum(float(ends[-1] - ends[0]) for ends in crossings)
+    return float(step * total_length / sum(ends.size - 1 for ends in crossings))
