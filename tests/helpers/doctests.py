@@ -3,13 +3,13 @@
 A plugin of pytest, so that it reaches the packages: their folders hold no tests of their own.
 """
 
+import fcntl
+import os
 import shutil
 from pathlib import Path
 
 import pytest
 from _pytest.doctest import DoctestItem, DoctestModule
-
-from tests.helpers.shared import made_once
 
 ROOT = Path(__file__).parents[2]
 
@@ -39,7 +39,15 @@ def _scenes_and_results(request, monkeypatch):
 @pytest.fixture(scope="session")
 def folder_with_results(tmp_path_factory):
     """Folder with ``workflows`` and ``results/first_try.zarr``, which an example may change."""
-    folder = made_once(tmp_path_factory, "examples", _fill)
+    root = tmp_path_factory.getbasetemp()
+    root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
+    folder, partial = root / "examples-once", root / "examples-partial"
+    with (root / "examples.lock").open("w") as lock:  # the first process of the suite fills it
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not folder.exists():
+            partial.mkdir(exist_ok=True)
+            _fill(partial)
+            partial.rename(folder)
     return shutil.copytree(folder, tmp_path_factory.mktemp("examples") / "own", symlinks=True)
 
 
