@@ -9,13 +9,13 @@ import tribo
 
 @dataclass(frozen=True)
 class ByPressure:
-    """A rate in proportion to the pressure, `rate` at a pressure of 1 Pa."""
+    """A rate in proportion to the pressure over the velocity, `rate` at 1 Pa and 1 m/s."""
 
     rate: float = 2e-24
     pattern: str = "local"
 
     def mean_wear(self, begin, end, pressure, velocity):
-        return tribo.Wear(rate_at(self.rate, pressure), self.pattern)
+        return tribo.Wear(rate_at(self.rate, pressure) / velocity, self.pattern)
 
 
 def rate_at(rate, pressure):

@@ -12,6 +12,7 @@ import tribo
 from pipeline import load_scene
 from pipeline.condition_kinds import OperatingPoints
 from pipeline.frames import write_frames
+from pipeline.paths import read_file
 from pipeline.surface.scan import read_scan
 
 
@@ -52,6 +53,13 @@ def test_a_chunk_that_is_no_file_of_its_size_is_named_at_once(lay, name, copy, i
     reason = "it has 1e+06 MB; at most 0." if lay is huge else "it is not a file"
     assert f"{chunk} cannot be read: {reason}" in irg("verify", copy, code=2)
     assert re.search(f"{name}.* cannot be read", irg("boundary", copy, code=2))
+
+
+def test_a_file_of_the_largest_size_is_read_and_one_with_a_byte_more_is_not(tmp_path):
+    (tmp_path / "a").write_bytes(b"12345")
+    assert read_file(tmp_path / "a", 5) == b"12345"
+    with pytest.raises(OSError, match=r"it has 5e-06 MB; at most 4e-06 MB are read"):
+        read_file(tmp_path / "a", 4)
 
 
 def test_what_a_spreadsheet_would_compute_is_written_as_text(tmp_path):

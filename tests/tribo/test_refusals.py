@@ -118,7 +118,7 @@ REFUSALS = {
     "tiny": (lambda: Grid((4, 4), (1e-200, 1e-200)), "element_area is 0.0"),
     "vast": (lambda: Grid((2**600, 2**600), (1.0, 1.0)), "area is inf"),
     "elongated": (lambda: Grid((4, 4), (2.1, 2e-6)), "one side must be at most"),
-    "spectrum": (lambda: Convolution(GRID, np.ones((4, 4))), "the spectrum has shape (4, 4)"),
+    "spectrum": (lambda: Convolution(GRID, np.ones((11, 5))), "spectrum has shape (11, 5); this"),
     "backwards": (lambda: rolling_sliding_rise(0.1, 1e5, 2e-4, (-1.0, 2.0), 1e4),
                   "velocities is -1.0; it must be finite and at least 0"),
     # surfaces, wear, loading

@@ -245,12 +245,20 @@ def test_custom_settings_are_advised_a_preset_and_a_ruled_out_verdict_nothing():
     assert advice(custom, 400.0, 0.5) == "use a preset, whose error is known"
     tests = tuple(bare_test(400.0, 1.2, outcome="mild", number=f"m{k}") for k in range(40))
     ruled_out = synthetic.sweep(tests=(*tests, bare_test(300.0, 0.9, outcome="severe")))
-    assert pipeline.margin(ruled_out, 300.0, 0.95)["reason"].item()
+    reason = pipeline.margin(ruled_out, 300.0, 0.95)["reason"]
+    assert reason.item()
+    assert reason.attrs["long_name"] == "why the verdict is withheld or unknown"
     assert advice(ruled_out, 300.0, 0.95) == ""
 
 
 def facts_of(ds, *point, **conditions):
     return {fact.name: fact.value for fact in facts(pipeline.margin(ds, *point, **conditions))}
+
+
+def test_conditions_are_stated_unless_they_vary():
+    ds = synthetic.sweep(tests=())
+    for frictions, words in (([0.09], "friction 0.09, "), ([0.09, 0.1], "given for each point")):
+        assert pipeline.margin(ds, 400.0, 1.5, friction=frictions).conditions.startswith(words)
 
 
 def test_a_critical_value_is_stated_or_why_there_is_none():

@@ -20,6 +20,11 @@ DONE = {
 CONDITIONS = {"as tested": {}, "hot": {"friction": 0.3}, "cold": {"friction": 0.05}}
 
 
+def test_contacts_without_heat_are_mild():
+    cold = synthetic.sweep(rise=lambda *point: 0 * synthetic.rise(*point), tests=())
+    assert named(pipeline.boundary(cold)["outcome_along_velocity"])[0] == "mild"
+
+
 @pytest.mark.parametrize("done", DONE)
 @pytest.mark.parametrize("conditions", CONDITIONS)
 def test_no_outcome_is_contradicted_by_points_that_are_not_done(conditions, done):

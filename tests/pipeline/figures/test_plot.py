@@ -86,6 +86,9 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
         velocities = sorted({velocity for _, velocity in test.points})
         expected = [ratio(test, velocity) for velocity in velocities]
         assert sorted({*ends}) == pytest.approx(expected, rel=1e-3)
+    assert [label.get_text() for label in axes.get_yticklabels()] == [
+        "600 N, 1.5 m/s", "400 N, 2.25 m/s", "900 N, 1 m/s", "200 N, 3 m/s",
+    ]  # fmt: skip
     legend_texts = [text.get_text() for text in axes.figure.legends[0].get_texts()]
     assert {"undecided: neither mild nor severe wear is sure", "boundary with tests (50 %)"} < {
         *legend_texts

@@ -199,6 +199,12 @@ def test_a_report_of_any_sweep_is_sound_and_says_what_matters(undrawn, name):
     assert any("Dots: simulated points." in text for text in captions) == has_dots
 
 
+def test_an_operating_point_at_the_ends_of_the_sweep_is_marked_in_the_diagram():
+    page = Page(pipeline.report(plane(), 600.0, VELOCITIES[-1]))
+    diagram = b64decode(page.attributes_of("img")[0]["src"].partition("base64,")[2]).decode()
+    assert 'id="operating point"' in diagram
+
+
 def test_rows_are_judged_and_the_deciding_one_is_bold(undrawn, sweep):
     points = {"case": ["idle", "full"], "load [N]": [200, 700], "velocity [m/s]": [1, 4]}
     table = pipeline.margin(sweep, points)

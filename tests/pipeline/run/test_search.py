@@ -193,6 +193,17 @@ def test_without_a_crossing_the_search_ends_after_few_points():
         assert np.isnan(search.critical).all()
 
 
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_boundary_between_loads_that_are_mild_and_severe_at_all_velocities_is_searched(seed):
+    specimen = Specimen(seed, loads=17, scatter=0.0, velocities=np.array([1.4, 1.5, 1.6]))
+    at_ends = [specimen.y(specimen.loads, np.log(velocity)) for velocity in (1.4, 1.6)]
+    crosses = (at_ends[0] < 0) & (at_ends[1] > 0)
+    assert crosses.sum() == 1
+    specimen.run(search := specimen.search(0.01, realizations=1))
+    assert np.isfinite(search.critical).tolist() == crosses.tolist()
+    assert np.sqrt((search.errors[:, crosses] ** 2).sum()) < 0.01
+
+
 def test_surfaces_that_are_given_are_all_taken_and_left_out_of_the_goal():
     specimen = Specimen(4)
     search = specimen.search(0.02, realizations=3, counts_surface=False)

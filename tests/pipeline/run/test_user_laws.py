@@ -1,10 +1,12 @@
 """Sweeps with a wear law or surface of a user's class (pipeline/sweep/user_laws.py)."""
 
+import contextlib
 import importlib
 import sys
 from dataclasses import replace
 from pathlib import Path
 
+import cloudpickle
 import numpy as np
 import pytest
 
@@ -24,7 +26,10 @@ def module(tmp_path, monkeypatch):
     source = Path(laws.__file__).read_text(encoding="utf-8")
     (tmp_path / "laws_of_a_user.py").write_text(source, encoding="utf-8")
     monkeypatch.delitem(sys.modules, "laws_of_a_user", raising=False)
-    return importlib.import_module("laws_of_a_user")
+    module = importlib.import_module("laws_of_a_user")
+    with contextlib.suppress(ValueError):  # tasks of an earlier test may carry its code
+        cloudpickle.unregister_pickle_by_value(module)
+    return module
 
 
 def with_class_of(module, name):

@@ -160,6 +160,13 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
         assert not is_doubted(value), value
 
 
+def test_a_test_with_its_own_entries_repeats_no_warning_of_the_scene():
+    test = {"load": "400 N", "velocity": "2 m/s", "outcome": "mild",
+            "with": {"wear.specific_wear_rate": "1e-6 mm^3/(N m)"}}  # fmt: skip
+    scene = load_scene("first_try", overrides={"disk.roughness.ra": "11 um", "tests": [test]})
+    assert [w.path for w in scene.all_warnings if "11 µm is" in w.words] == ["disk.roughness.ra"]
+
+
 @pytest.mark.parametrize(("load", "is_far"), [(19.9, 1), (20.1, 0), (7499.0, 0), (7501.0, 1)])
 def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
     test = bare_test(load, max(SMOOTH.velocities))

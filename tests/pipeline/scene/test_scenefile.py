@@ -98,6 +98,12 @@ def test_realizations_begin_at_the_seed_of_the_scene_or_are_those_given():
     assert seeds([9, 4], **{"disk.roughness.seed": 5}) == ([4, 9], 4)
 
 
+def test_the_slide_roll_ratio_of_a_faster_pin_may_be_uncertain():
+    entries = {"motion.slide_roll_ratio": -0.5, "uncertainty": {"motion.slide_roll_ratio": "5 %"}}
+    sweep = load_scene("first_try", overrides={"without": ["tests"]} | entries)
+    assert sweep.base.uncertainty == ((("motion.slide_roll_ratio",), 0.05),)
+
+
 def test_what_may_be_left_out_takes_its_default(read):
     paths = ["title", "materials.steel.hardness", "disk.roughness", "wear", "friction.band",
              "temperature.critical_area_fraction", "fidelity", "sweep.fields", "tests"]  # fmt: skip

@@ -180,6 +180,11 @@ def test_a_contact_of_many_summits_needs_fewer_positions():
     fine = tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=1)
     narrow = replace(scene_of(), roughness=fine)
     assert [len(further_positions(narrow, load)) + 1 for load in (50.0, 200.0, 600.0)] == [8, 4, 2]
+    # Hertz's half-width with which 4 positions touch 5000 squares of the correlation length.
+    half_width = 5000 / 4 * 4e-6**2 / (2 * 96 * 4e-6)
+    load = half_width**2 * np.pi * 115.385e9 * 3.4e-3 / (4 * 2e-3)
+    loads = 0.97 * load, 1.03 * load
+    assert [len(further_positions(narrow, load)) + 1 for load in loads] == [8, 4]
     assert further_positions(replace(narrow, wear=None), LOAD) == []
     assert further_positions(replace(narrow, motion=tribo.Motion(slide_roll_ratio=1.0)), LOAD) == []
 

@@ -50,9 +50,10 @@ def test_a_value_that_no_unit_explains_is_to_be_checked():
     assert text.endswith("is common): check number and unit")
 
 
-def test_an_error_of_a_simulation_has_the_warnings_as_notes():
+@pytest.mark.parametrize("velocity", [1.25, -1.25])
+def test_an_error_of_a_simulation_has_the_warnings_as_notes(velocity):
     with pytest.raises(tribo.ConvergenceError) as error:
-        unusual(replace(SCENE, wear=tribo.Wear(1.2e-6)))
+        unusual(replace(SCENE, wear=tribo.Wear(1.2e-6)), velocity=velocity)
     assert error.value.__notes__ == [
         "wear.specific_wear_rate: 1.2e-06 m²/N is unusual (1e-11 to 0.01 mm³/(N m) is common): "
         "convert the number to SI, if it is in mm³/(N m)"
