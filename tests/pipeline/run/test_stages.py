@@ -7,8 +7,10 @@ import pipeline
 from pipeline.answers.evidence import outcome_of
 from pipeline.answers.results import cases_of
 from pipeline.answers.verdict_model import verdict_model
+from pipeline.sweep import plan
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit_all
+from tribo.simulation.film import film_inlet
 
 STAGES = 'stages = { first = "100 N", step = "20 N", hold = "20 s" }'
 TEXT = (
@@ -71,6 +73,14 @@ def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     assert point.verdict(store[0].conditions).governing_temperature == pytest.approx(
         governing[1], rel=1e-12
     )
+
+
+def test_the_film_is_that_of_the_contact_after_the_last_stage(store):
+    scene, steps = store[0].scene, plan.choose_stored_steps(store[0])
+    result = plan.run_point(scene, steps, plan.Point(140.0, 2.0), with_film=True)
+    expected = film_inlet(scene, result.state)
+    for values, expected_values in zip(result.film.values(), expected, strict=True):
+        assert values == pytest.approx(expected_values, rel=1e-12)
 
 
 def test_a_test_by_stages_is_one_interval_and_a_transition_where_it_is_no_hotter(store):

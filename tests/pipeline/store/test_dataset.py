@@ -2,6 +2,7 @@
 
 import ast
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -217,6 +218,13 @@ def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, tiny_store)
                 on_way[name], ds[name].sel(load=250, velocity=1.5, step=0)
             )
             assert ds[name].sel(load=250, velocity=1.5).isnull().all(("x", "y")).sum() == 3
+
+
+def test_a_dataset_in_memory_answers_without_its_store(copy):
+    ds = pipeline.open_sweep(copy).load()
+    expected = pipeline.margin(ds, 300.0, 1.0)
+    shutil.rmtree(copy)
+    assert pipeline.margin(ds, 300.0, 1.0).identical(expected)
 
 
 # The page of the dataset
