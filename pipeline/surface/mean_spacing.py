@@ -93,11 +93,14 @@ def _mean_rsm(
     spacings = list[float]()
     for seed in range(_SURFACES):
         heights = self_affine(grid, pixel, hurst_exponent, lengths, seed)
-        profiles = heights.T if axis == 0 else heights
-        for profile in profiles[::profile_distance]:
-            rz = float(np.mean([np.ptp(section) for section in np.array_split(profile, 5)]))
-            # Without two elements, the spacing is at least the length of the profile.
-            spacings.append(mean_spacing(profile, pixel, 0.1 * rz) or _PIXELS * pixel)
+        profiles = (heights.T if axis == 0 else heights)[::profile_distance]
+        sections = np.array_split(profiles, 5, axis=1)
+        rz = np.mean([np.ptp(section, axis=1) for section in sections], axis=0)
+        # Without two elements, the spacing is at least the length of the profile.
+        spacings += [
+            mean_spacing(profile, pixel, min_height) or _PIXELS * pixel
+            for profile, min_height in zip(profiles, 0.1 * rz, strict=True)
+        ]
     return float(np.mean(spacings))
 
 
