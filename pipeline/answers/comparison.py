@@ -53,7 +53,7 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     if model.omitted_tests:
         raise InputError(f"no tests to compare: {model.omitted_tests}")
     evidence = model.evidence
-    pairs = zip(evidence.specimens, evidence.posterior.loo_probabilities, strict=True)
+    pairs = zip(evidence.specimens, evidence.loo_probabilities, strict=True)
     loo_probabilities = {id(row): probability for rows, probability in pairs for row in rows}
     columns: dict[str, list[Any]] = {}
     for row in evidence.rows:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +20,7 @@ import numpy as np
 from pipeline.answers.case_results import CaseResults, TestPoint
 from pipeline.answers.condition_values import QueryPoints
 from pipeline.answers.input_errors import InputErrors, input_errors
-from pipeline.answers.posterior import Outcome, Posterior, Prior, update
+from pipeline.answers.posterior import Outcome, Posterior, Prior, leave_one_out, update
 from pipeline.answers.specimen import Specimen
 from pipeline.answers.value_text import join_texts
 from pipeline.constants import OUTLIER_PROBABILITY
@@ -125,7 +125,16 @@ class Evidence:
     @functools.cached_property
     def posterior(self) -> Posterior:
         """Bias and scatter of the model, after the tests, at the scene's bulk temperature."""
-        return update(self.outcomes, self.prior) if self.critical is None else self.critical.nodes
+        if self.critical is None:
+            return update(self.outcomes, self.prior)
+        return self.critical.at_bulk(self.critical.bulk)
+
+    @functools.cached_property
+    def loo_probabilities(self) -> tuple[float, ...]:
+        """Leave-one-out probability of each specimen; on this rig, Tc from tests has no bias."""
+        if self.critical is None:
+            return leave_one_out(self.outcomes, self.prior)
+        return leave_one_out(self.critical.outcomes, replace(self.critical.prior, bias=0.0))
 
     def probability(self, y: Array, bulks: Array) -> Array:
         """Probability of severe wear (k,) at `y` (k,), at bulk temperatures [K]."""
@@ -160,7 +169,7 @@ class Evidence:
         for row in self.rows:
             if row.is_outside:
                 yield f"{row} gives no probability: an oil film carried more than 20 % of the load"
-        for rows, share in zip(self.specimens, self.posterior.loo_probabilities, strict=True):
+        for rows, share in zip(self.specimens, self.loo_probabilities, strict=True):
             if share < OUTLIER_PROBABILITY:
                 names = " and ".join(map(str, rows))
                 yield f"outlier: {names}, predicted from the other tests with less than 1 %"
