@@ -163,16 +163,6 @@ ROWS = {
         "",
         last_line,
     ),
-    "pins": Row(
-        "At 95 % of pins that are computed with their ends, the rise deviates from that by a finer "
-        "preset by less than the stated error; pins of 1 mm beside `reference`, of 3.4 mm beside "
-        "`fine` at a contact tolerance of 0.01",
-        ("tribo",),
-        "python -m tests.promises.pins",
-        "--short 2 --local 1 --unworn 1 --long 0",
-        "",
-        last_line,
-    ),
     "moving disk": Row(
         "The mean temperature rise is that under a disk that moves through 384 positions, with and "
         "without a lay; largest mean deviation, a bias that no stated error contains",
