@@ -23,7 +23,7 @@ from pipeline import verify_store
 from pipeline.paths import PARTIAL
 from pipeline.store.create import find_sweep
 from pipeline.store.dataset import store_dataset
-from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS, PLANE
+from pipeline.store.schema import COLUMNS, DONE, ENDS, FAILED, FIELDS, PLANE
 from pipeline.store.store import opened
 from pipeline.sweep.sweep import Point
 from tests.crash.driver import drive
@@ -149,8 +149,10 @@ def _is_known(values):
 
 def differing(arrays, index, result):
     """Yield names of variables of a point that are not, bit for bit, the computed result."""
-    expected = {**result.record("pressure" in arrays).data}
-    for name, values in expected.items():
+    expected = result.record("pressure" in arrays).data
+    names = expected.keys() - (ENDS.keys() - arrays.keys())  # only pins with ends have `ENDS`
+    for name in names:
+        values = expected[name]
         stored, values = np.atleast_1d(arrays[name][index]), np.atleast_1d(values)
         if stored[-len(values) :].tobytes() != values.tobytes():
             yield name

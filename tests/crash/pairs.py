@@ -21,7 +21,7 @@ import zarr
 from pipeline import verify_store
 from pipeline.paths import PARTIAL
 from pipeline.store.location import OLD
-from pipeline.store.schema import DONE, FIELDS, PROGRESS, path_of
+from pipeline.store.schema import DONE, ENDS, FIELDS, PROGRESS, path_of
 from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
@@ -99,7 +99,7 @@ def sound_points(folder):
         axes = [_read(folder, name) for name in ("realization", "load", "velocity")]
         status = _read(folder, "status")
         expected = _EXPECTED(Point(150.0, 0.5, (("realization", 3),)))
-        names = expected.record(with_fields=False).data.keys() - PROGRESS.keys()
+        names = expected.record(with_fields=False).data.keys() - PROGRESS.keys() - ENDS.keys()
         arrays = {name: _read(folder, name) for name in (*names, "warning_flags", "steps")}
         _ = _read(folder, "message"), [_read(folder, k) for k in PROGRESS]
     except Exception:  # whatever Zarr raises for damaged data
