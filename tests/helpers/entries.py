@@ -66,11 +66,11 @@ def _with_case(test, number, base, unchanged_base):
         own, base = (test.friction, test.bulk_temperature), test.case or base
     else:
         of_test, of_sweep = test.case.conditions, unchanged_base.conditions
-        own = (
-            None if value == getattr(of_sweep, name) else value
-            for name in ("friction", "bulk_temperature")
-            for value in [getattr(of_test, name)]
+        pairs = (
+            (of_test.friction, of_sweep.friction),
+            (of_test.bulk_temperature, of_sweep.bulk_temperature),
         )
+        own = (None if value == of_base else value for value, of_base in pairs)
     case = test_case(base, number, *own)
     return SpecimenTest(**values | {"case": case, "number": test.number or str(number + 1)})
 
