@@ -136,7 +136,9 @@ def _toml(path: Path) -> dict[str, Any]:
         if key := _LONG_KEY.search(text):
             raise ValueError(f"more than 20 parts are joined by points: {quoted(key[0][:40])}")
         tables = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # also text that is not UTF-8
+    except RecursionError as error:
+        raise SceneFileError(path, ["lists are nested too deeply; correct it"]) from error
+    except ValueError as error:  # also text that is not UTF-8
         fault = _slip(str(error), content) or f"is not valid TOML in UTF-8: {error}; correct it"
         raise SceneFileError(path, [fault]) from error
     if empty := next((entry for entry, value in flat(tables) if value == {}), None):
