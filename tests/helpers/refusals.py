@@ -14,16 +14,18 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
+from tests.helpers.wording import assert_as_kept, relative
 from tribo import TriboError
 
 ROOT = Path(pipeline.__file__).resolve().parent
 
 
 class Outcome(NamedTuple):
-    """Message of a refusal, and (file, line, text) of all errors and faults raised on the way."""
+    """Message of a refusal in a folder, and (file, line, text) of all errors on the way to it."""
 
     message: str
     raised: list[tuple[str, int, str]]
+    folder: Path
 
 
 class Refusals:
@@ -62,6 +64,16 @@ class Refusals:
         message, expected = self.outcome(name).message, self.table[name][1]
         assert expected in message, message
         assert len(message.strip().splitlines()) == 1, message
+
+    def check_wording(self) -> None:
+        """Assert that all refusals read as they are kept, word by word."""
+        of_stores = [store.parent for store in self.stores.values()]
+        outcomes = {name: self.outcome(name) for name in self.table}
+        texts = {
+            name: relative(outcome.message, outcome.folder, *of_stores)
+            for name, outcome in outcomes.items()
+        }
+        assert_as_kept(f"refusals_{self.package.stem}", texts)
 
     def check_all(self, elsewhere: Collection[str] = ()) -> None:
         """Assert that the table covers every error and fault except those tested `elsewhere`."""
@@ -115,7 +127,7 @@ class Refusals:
                 raised += _passed(error)
             finally:
                 sys.settrace(before)
-        return Outcome(message, raised)
+        return Outcome(message, raised, folder)
 
     def _statements(self) -> Iterator[tuple[str, range, str]]:
         """Yield file, lines and name of each statement that raises an error or refuses an entry."""
@@ -148,7 +160,7 @@ def _refusal(node: ast.AST) -> str | None:
 
 def refusal_tests(
     package: str, table: dict[str, Any], elsewhere: Collection[str] = (), **stores: str
-) -> tuple[Any, Any, Any]:
+) -> tuple[Any, ...]:
     """Fixture and tests for the table of a folder; `stores` has names of fixtures by store name."""
 
     @pytest.fixture(scope="module")
@@ -159,13 +171,16 @@ def refusal_tests(
         return Refusals(package, table, tmp_path_factory.mktemp("refusals"), links)
 
     @pytest.mark.parametrize("name", table)
-    def test_what_is_refused_is_named(refusals: Refusals, name: str) -> None:
+    def test_each_is_named(refusals: Refusals, name: str) -> None:
         refusals.check(name)
 
-    def test_the_table_has_every_refusal(refusals: Refusals) -> None:
+    def test_all_read_as_they_are_kept(refusals: Refusals) -> None:
+        refusals.check_wording()
+
+    def test_all_are_here(refusals: Refusals) -> None:
         refusals.check_all(elsewhere)
 
-    return refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal
+    return refusals, test_each_is_named, test_all_read_as_they_are_kept, test_all_are_here
 
 
 def command(*arguments: Any) -> str:

@@ -30,13 +30,18 @@ def copy(tiny_store, tmp_path):
     return shutil.copytree(tiny_store, tmp_path / "tiny.zarr")
 
 
-@pytest.fixture
-def undrawn(monkeypatch):
+def leave_out_pictures(monkeypatch):
     """Replace the pictures of a report, which take seconds to draw, by empty ones."""
     from pipeline.page import report
 
     empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
     monkeypatch.setattr(report, "_picture", lambda _, caption: {"url": empty, "caption": caption})
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Reports of the test have empty pictures."""
+    leave_out_pictures(monkeypatch)
 
 
 _PROGRESS = re.compile(r"^irg: .*, [^,]+ so far(, [^,]+ to go)?\n", re.MULTILINE)

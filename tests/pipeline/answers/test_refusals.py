@@ -154,6 +154,6 @@ ELSEWHERE = {
     "answers.boundary InputError",  # of a table of rows, in test_outside
 }
 
-refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+refusals, test_each_is_named, test_all_read_as_they_are_kept, test_all_are_here = refusal_tests(
     "answers", REFUSALS, ELSEWHERE
 )

@@ -1,5 +1,6 @@
 """The report states the answers, escapes all texts, and has no scripts."""
 
+import calendar
 import re
 from base64 import b64decode
 from html.parser import HTMLParser
@@ -18,6 +19,8 @@ from pipeline.page.report import HEADLINES
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
+from tests.helpers.wording import assert_as_kept
+from tests.pipeline.conftest import leave_out_pictures
 from tests.pipeline.figures.test_planes import VELOCITIES, two_pins
 from tests.pipeline.figures.test_planes import sweep as plane
 from tribo import InputError
@@ -46,7 +49,7 @@ class Page(HTMLParser):
         assert self.inside.pop() == tag
 
     def handle_data(self, data):
-        self.words += data
+        self.words += data * ("style" not in self.inside)
 
     def attributes_of(self, tag):
         return [attributes for name, attributes in self.tags if name == tag]
@@ -187,16 +190,35 @@ REPORTS = {
 }  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def reports():
+    """Texts of the pages of `REPORTS`, without pictures."""
+    with pytest.MonkeyPatch.context() as patch:
+        leave_out_pictures(patch)
+        return {
+            name: pipeline.report(make(), **where) for name, (make, where, _) in REPORTS.items()
+        }
+
+
 @pytest.mark.parametrize("name", REPORTS)
-def test_a_report_of_any_sweep_is_sound_and_says_what_matters(undrawn, name):
-    make, arguments, statements = REPORTS[name]
-    page = checked(pipeline.report(make(), **arguments))
+def test_a_report_of_any_sweep_is_sound_and_says_what_matters(reports, name):
+    page = checked(reports[name])
     captions = [image["alt"] for image in page.attributes_of("img")]
-    for statement in statements:
+    for statement in REPORTS[name][2]:
         assert statement in page.words or statement in captions[0]
     # The points of several cases would cover each other, and one load has no diagram.
     has_dots = name not in ("two pins", "one load")
     assert any("Dots: simulated points." in text for text in captions) == has_dots
+
+
+def test_reports_read_as_they_are_kept(reports):
+    months, texts = re.compile("|".join(calendar.month_name[1:])), {}
+    for name, text in reports.items():
+        page = Page(months.sub("(month)", text))
+        captions = [image["alt"] for image in page.attributes_of("img")]
+        lines = filter(str.strip, page.words.splitlines())
+        texts[name] = "\n".join([*lines, "pictures:", *captions])
+    assert_as_kept("reports", texts)
 
 
 def test_an_operating_point_at_the_ends_of_the_sweep_is_marked_in_the_diagram():

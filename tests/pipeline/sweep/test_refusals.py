@@ -196,6 +196,6 @@ REFUSALS = {
 }  # fmt: skip
 
 
-refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+refusals, test_each_is_named, test_all_read_as_they_are_kept, test_all_are_here = refusal_tests(
     "sweep", REFUSALS
 )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, last, small_scene
+from tests.helpers.wording import assert_as_kept
 from tribo import Ball, Grid, Motion, WarningKind, Wear, warnings
 from tribo.simulation import start
 
@@ -152,6 +153,14 @@ ROWS = [  # kind, scene, function of the scene that makes a state, words of the 
 @pytest.mark.parametrize(("kind", "scene", "build_state", "words"), ROWS)
 def test_a_point_warns_where_it_should_and_nowhere_else(kind, scene, build_state, words):
     assert_told(words, scene, build_state(scene), kind)
+
+
+def test_warnings_read_as_they_are_kept():
+    texts = {}
+    for number, (kind, scene, build_state, _) in enumerate(ROWS):
+        lines = [warning.text for warning in warnings(scene, build_state(scene))]
+        texts[f"{number} {kind.label}"] = "\n".join(lines)
+    assert_as_kept("point_warnings", texts)
 
 
 def test_kinds_keep_the_bits_that_stores_have():

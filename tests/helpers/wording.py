@@ -1,0 +1,31 @@
+"""Texts as they are printed, kept below tests/wording; `make reference` writes them again."""
+
+import os
+import re
+from pathlib import Path
+
+FOLDER = Path(__file__).parents[1] / "wording"
+_IS_WRITTEN = "IRG_WRITE_WORDING" in os.environ
+_NUMBER = re.compile(r"\b(0x)?(?=[a-f]*\d)[0-9a-f]{7,}\b|\d[\d.]*(e[+-]?\d+)?")
+_LAYOUT = re.compile(r"\n? {2,}")
+
+
+def relative(text: str, *folders: Path) -> str:
+    """Text with the paths of folders relative to them."""
+    for folder in folders:
+        text = text.replace(f"{folder}/", "").replace(str(folder), ".")
+    return text
+
+
+def assert_as_kept(name: str, texts: dict[str, str]) -> None:
+    """Compare texts with those of a file, in which each stands below its title, or write them.
+
+    Numbers and digests count as equal, and so do line breaks before spaces and their number.
+    """
+    plain = {title: _LAYOUT.sub(" ", _NUMBER.sub("#", text)) for title, text in texts.items()}
+    written = "".join(f"== {title}\n{text.strip()}\n" for title, text in plain.items())
+    file = FOLDER / f"{name}.txt"
+    if _IS_WRITTEN:
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(written, encoding="utf-8")
+    assert written == file.read_text(encoding="utf-8")

@@ -1,0 +1,138 @@
+"""What commands print, draw and report reads as it is kept, word by word."""
+
+import re
+import shlex
+from functools import partial
+
+import pipeline
+import tribo
+from pipeline.cli import main
+from pipeline.figures.rows_figure import draw_rows
+from pipeline.figures.style import texts_of
+from pipeline.store.schema import FAILED, PENDING
+from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
+from tests.helpers.scenes import SCENE
+from tests.helpers.wording import assert_as_kept, relative
+from tests.pipeline.figures.test_planes import surfaces, two_pins
+from tests.pipeline.figures.test_planes import sweep as plane
+from tests.pipeline.figures.test_plot import POINTS
+
+UNCERTAIN_AND_TESTED = """
+[uncertainty]
+"pin.radius" = "5 %"
+"temperature.bulk" = "3 K"
+
+[[tests]]
+load = "200 N"
+velocity = "1 m/s"
+outcome = "mild"
+
+[[tests]]
+velocity = "2 m/s"
+mild_up_to = "200 N"
+severe_at = "400 N"
+"""
+DUTY = "load [N],velocity [m/s]\n" + "".join(
+    f"{load},{load / 200}\n" for load in range(200, 420, 9)
+)
+POINT = '--load "300 N" --velocity "1.5 m/s"'
+IN_TURN = [
+    "new mine.toml",
+    "new --list",
+    "help",
+    "run small.toml -n -o a.zarr",
+    "run small.toml -o a.zarr -j 1",
+    "status a.zarr",
+    "verify a.zarr",
+    "boundary a.zarr",
+    "boundary a.zarr --by velocity",
+    "boundary a.zarr --by test",
+    "boundary a.zarr --friction 0.12 --friction 0.2",
+    "boundary a.zarr --critical-temperature 200degC -o boundary.csv",
+    "boundary a.zarr --without-tests",
+    f"margin a.zarr {POINT}",
+    f"margin a.zarr {POINT} --friction 0.05 --friction 0.5",
+    f"margin a.zarr {POINT} --critical-temperature 300degC",
+    "margin a.zarr --points duty.csv",
+    "margin a.zarr --points duty.csv --all --friction 0.07 -o duty.md",
+    f"point small.toml {POINT} --friction 0.4",
+    f"sensitivity small.toml {POINT}",
+    "infer small.toml",
+    f'infer small.toml {POINT} --contact-width "0.2 mm"',
+    "plot a.zarr",
+    f"report a.zarr {POINT} -o a.html",
+]
+"""Commands that are typed one after the other in a folder."""
+
+CHECKS = [
+    *("cam_tappet", "designs", "fig4", "gear_mesh", "mtm", "pin_on_disk", "scan", "whole_pin"),
+    "first_try --set sweep.loads='[\"900 N\"]' --set wear.pattern=local",
+    "first_try --set without=wear --set disk.roughness.correlation_length='200 um'",
+    "first_try --set friction.coefficient=1.5 --set without=friction.band",
+    "first_try --set materials.steel.hardness='50 GPa' --set pin.radius='2 m'",
+    "first_try --set loading.rate='0.01 N/s'",
+    "first_try --set motion.slide_roll_ratio=0.5 --set uncertainty.\\\"pin.radius\\\"='30 %'",
+    "first_try --set window.pixels=[64,64] --set fidelity.increments=3",
+    "first_try --set temperature.bulk='300 degC' --set temperature.critical='800 degC'",
+]
+"""Scenes, some of them with unusual entries."""
+
+
+# What depends on the speed of the machine: lines of progress, and how long it takes.
+_PROGRESS = re.compile(r"^irg: \d+ of \d+ .*(done|so far).*\n", re.MULTILINE)
+_DURATION = re.compile(r"\b(in|about) [\d.]+ (s|min|h)\b")
+
+
+def printed(capsys, folder, command):
+    """All that a command prints, with its exit code."""
+    capsys.readouterr()
+    try:
+        code = main(shlex.split(command))
+    except SystemExit as error:
+        code = error.code
+    texts = capsys.readouterr()
+    text = f"{texts.out}\n{_PROGRESS.sub('', texts.err)}exit code {code}"
+    return relative(_DURATION.sub(r"\1 (time)", text), folder)
+
+
+def test_commands_read_as_they_are_kept(tmp_path, monkeypatch, capsys, undrawn):
+    monkeypatch.chdir(tmp_path)
+    scene = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "standard"')
+    (tmp_path / "small.toml").write_text(scene + UNCERTAIN_AND_TESTED, encoding="utf-8")
+    (tmp_path / "duty.csv").write_text(f"{DUTY}5000,1\n")
+    texts = {command: printed(capsys, tmp_path, command) for command in IN_TURN}
+    assert_as_kept("commands", texts)
+
+
+def test_checks_read_as_they_are_kept(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("pipeline.run.estimate._TIMING_LIMIT", 0.0)  # [s]
+    texts = {scene: printed(capsys, tmp_path, f"check {scene}") for scene in CHECKS}
+    assert_as_kept("checks", texts)
+
+
+TESTED = (
+    bare_test(250.0, 1.5, outcome="mild"),
+    bare_test(500.0, 3.0, outcome="severe"),
+    bare_test(350.0, 2.5, outcome="severe", bulk_temperature=333.15, number="warm"),
+    bare_test(901.0, 2.0, outcome="mild"),
+)
+NOT_DONE = {(200.0, 4.0): FAILED, (300.0, 1.0): PENDING}
+FIGURES = {
+    "diagram": partial(synthetic.sweep, status={(300.0, 1.5): FAILED, (750.0, 4.0): PENDING}),
+    "diagram with tests": partial(plane, tests=TESTED, friction_band=(0.08, 0.12), status=NOT_DONE),
+    "diagram of two pins": two_pins,
+    "diagram of two surfaces": partial(surfaces, 1.0, 1.1),
+    "diagram without a preset": partial(plane, preset=None),
+    "diagram of a rolling pin": partial(plane, motion=tribo.Motion(slide_roll_ratio=0.5)),
+}
+
+
+def test_figures_read_as_they_are_kept():
+    drawn = {name: pipeline.plot(make()) for name, make in FIGURES.items()}
+    tested = plane(tests=TESTED, status=NOT_DONE)
+    drawn["log diagram"] = pipeline.plot(plane(), log=True, load=300.0, velocity=1.5)
+    drawn["tests"] = pipeline.plot(tested, "tests")
+    drawn["rows"] = draw_rows(pipeline.margin(plane(), POINTS), "duty")
+    texts = {name: "\n".join(texts_of(figure)) for name, figure in drawn.items()}
+    assert_as_kept("figures", texts)
