@@ -2,11 +2,17 @@
 
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tribo import TriboError
 
 FOLDER = Path(__file__).parents[1] / "wording"
 _IS_WRITTEN = "IRG_WRITE_WORDING" in os.environ
-_NUMBER = re.compile(r"\b(0x)?(?=[a-f]*\d)[0-9a-f]{7,}\b|\d[\d.]*(e[+-]?\d+)?")
+_NUMBER = re.compile(r"\b(0x)?(?=\d*[a-f])(?=[a-f]*\d)[0-9a-f]{7,}\b|\d[\d.]*(e[+-]?\d+)?")
 _LAYOUT = re.compile(r"\n? {2,}")
 
 
@@ -15,6 +21,13 @@ def relative(text: str, *folders: Path) -> str:
     for folder in folders:
         text = text.replace(f"{folder}/", "").replace(str(folder), ".")
     return text
+
+
+def refusal(function: Callable[..., Any], *arguments: Any) -> str:
+    """Message of the error that a function raises."""
+    with pytest.raises(TriboError) as caught:
+        function(*arguments)
+    return str(caught.value)
 
 
 def assert_as_kept(name: str, texts: dict[str, str]) -> None:

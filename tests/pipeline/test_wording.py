@@ -136,3 +136,21 @@ def test_figures_read_as_they_are_kept():
     drawn["rows"] = draw_rows(pipeline.margin(plane(), POINTS), "duty")
     texts = {name: "\n".join(texts_of(figure)) for name, figure in drawn.items()}
     assert_as_kept("figures", texts)
+
+
+def test_variables_of_answers_read_as_they_are_kept():
+    ds, tested = synthetic.sweep(), plane(tests=TESTED, status=NOT_DONE)
+    answers = {
+        "boundary": pipeline.boundary(ds),
+        "margin": pipeline.margin(tested, POINTS),
+        "tests": pipeline.compare_tests(tested),
+        "temperatures": pipeline.temperatures(ds),
+    }
+    texts = {
+        name: "\n".join(
+            f"{key}: {variable.attrs.get('long_name', '')} [{variable.attrs.get('units', '')}]"
+            for key, variable in answer.variables.items()
+        )
+        for name, answer in answers.items()
+    }
+    assert_as_kept("variables_of_answers", texts)

@@ -8,6 +8,7 @@ import pytest
 import pipeline
 from pipeline.answers.answer_frames import complete_frame
 from pipeline.condition_kinds import OperatingPoints
+from tests.helpers.wording import assert_as_kept, refusal, relative
 from tribo import InputError
 
 LOADS, VELOCITIES = [300.0, 1500.5], [1.25, 2.5]
@@ -95,8 +96,17 @@ SLIPS = {
 }
 
 
+def load(slip, folder):
+    (folder / "a.toml").write_text(f'extends = "first_try"\n\n{slip}')
+    return pipeline.load_scene(folder / "a.toml")
+
+
 @pytest.mark.parametrize("slip", SLIPS)
 def test_slips_in_toml_are_named_in_words(slip, tmp_path):
-    (tmp_path / "a.toml").write_text(f'extends = "first_try"\n\n{slip}')
     with pytest.raises(pipeline.SceneFileError, match=SLIPS[slip]):
-        pipeline.load_scene(tmp_path / "a.toml")
+        load(slip, tmp_path)
+
+
+def test_slips_in_toml_read_as_they_are_kept(tmp_path):
+    texts = {slip: relative(refusal(load, slip, tmp_path), tmp_path) for slip in SLIPS}
+    assert_as_kept("slips_in_toml", texts)

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import last, small_scene
+from tests.helpers.wording import assert_as_kept
 from tribo import InvariantError, TriboError, Wear, simulate
 from tribo.errors import RangeError
 from tribo.simulation import loading_step, temperature
 from tribo.simulation.invariants import check_wear, guard_range
 
 
-def test_a_solver_that_is_wrong_is_found_out_in_a_simulation(monkeypatch):
+def test_a_solver_that_is_wrong_is_found_out_by_laws_whose_words_are_kept(monkeypatch):
     def corrupted(**change):
         def solve(*arguments, **options):
             contact = genuine(*arguments, **options)
@@ -21,7 +22,7 @@ def test_a_solver_that_is_wrong_is_found_out_in_a_simulation(monkeypatch):
 
         return solve
 
-    genuine = loading_step.solve_contact
+    genuine, texts = loading_step.solve_contact, {}
     for change, law in [
         ({"pressure": lambda c: 0.999 * c.pressure}, "load balance"),
         ({"pressure": lambda c: c.pressure[::-1] * 2 - c.pressure}, "pressure bounds"),
@@ -29,17 +30,20 @@ def test_a_solver_that_is_wrong_is_found_out_in_a_simulation(monkeypatch):
         ({"pressure": lambda c: np.where(c.pressure > 0, c.pressure, np.nan)}, "finite"),
     ]:
         monkeypatch.setattr(loading_step, "solve_contact", corrupted(**change))
-        with pytest.raises(InvariantError, match=law):
+        with pytest.raises(InvariantError, match=law) as caught:
             next(iter(simulate(small_scene(), 300.0, 1.25)))
+        texts[law] = str(caught.value)
+    assert_as_kept("laws_of_contact", texts)
 
 
-def test_wear_and_heat_that_are_wrong_are_found_out_in_a_simulation(monkeypatch):
-    states = list(simulate(small_scene(), 300.0, 1.25))
+def test_wear_and_heat_that_are_wrong_are_found_out_by_laws_whose_words_are_kept(monkeypatch):
+    texts, states = {}, list(simulate(small_scene(), 300.0, 1.25))
     depth = Wear.depth
     with monkeypatch.context() as patch:
         patch.setattr(Wear, "depth", lambda *args: 1.0001 * depth(*args))
-        with pytest.raises(InvariantError, match="wear balance"):
+        with pytest.raises(InvariantError, match="wear balance") as caught:
             last(small_scene(), 300.0, 1.25)
+        texts["wear balance"] = str(caught.value)
     divide = temperature.partition_heat
     for change, law in [
         ({"pin_flux": lambda split: 0.99 * split.pin_flux}, "heat balance"),
@@ -53,8 +57,10 @@ def test_wear_and_heat_that_are_wrong_are_found_out_in_a_simulation(monkeypatch)
             return replace(split, **{name: f(split) for name, f in change.items()})
 
         monkeypatch.setattr(temperature, "partition_heat", wrong)
-        with pytest.raises(InvariantError, match=law):
+        with pytest.raises(InvariantError, match=law) as caught:
             temperature.heat(small_scene(), states[-1], 1.25)
+        texts[law] = str(caught.value)
+    assert_as_kept("laws_of_wear_and_heat", texts)
 
 
 def test_a_pin_that_grows_back_anywhere_is_found_out_though_its_volume_is_right():
