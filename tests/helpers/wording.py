@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray as xr
 
 from tribo import TriboError
 
@@ -28,6 +29,14 @@ def refusal(function: Callable[..., Any], *arguments: Any) -> str:
     with pytest.raises(TriboError) as caught:
         function(*arguments)
     return str(caught.value)
+
+
+def names_and_units(ds: xr.Dataset) -> str:
+    """Name, long name and unit of each variable of a dataset, in a line each."""
+    return "\n".join(
+        f"{name}: {variable.attrs.get('long_name', '')} [{variable.attrs.get('units', '')}]"
+        for name, variable in ds.variables.items()
+    )
 
 
 def assert_as_kept(name: str, texts: dict[str, str]) -> None:

@@ -13,7 +13,7 @@ from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.scenes import SCENE
-from tests.helpers.wording import assert_as_kept, relative
+from tests.helpers.wording import assert_as_kept, names_and_units, relative
 from tests.pipeline.figures.test_planes import surfaces, two_pins
 from tests.pipeline.figures.test_planes import sweep as plane
 from tests.pipeline.figures.test_plot import POINTS
@@ -145,12 +145,7 @@ def test_variables_of_answers_read_as_they_are_kept():
         "margin": pipeline.margin(tested, POINTS),
         "tests": pipeline.compare_tests(tested),
         "temperatures": pipeline.temperatures(ds),
+        "critical temperature": pipeline.infer(tested),
     }
-    texts = {
-        name: "\n".join(
-            f"{key}: {variable.attrs.get('long_name', '')} [{variable.attrs.get('units', '')}]"
-            for key, variable in answer.variables.items()
-        )
-        for name, answer in answers.items()
-    }
+    texts = {name: names_and_units(answer) for name, answer in answers.items()}
     assert_as_kept("variables_of_answers", texts)

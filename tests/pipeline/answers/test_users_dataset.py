@@ -60,6 +60,9 @@ UNCHANGED = {
     "drop_vars": lambda ds, _: ds.drop_vars("wear_volume"),
     "set_coords": lambda ds, _: ds.set_coords([*ds.data_vars]),
     "drop_encoding": lambda ds, _: ds.drop_encoding(),
+    "unit of a number": lambda ds, _: ds.assign(
+        status=ds["status"].assign_attrs(units="1"), rise_quantile=ds["rise_quantile"].drop_attrs()
+    ),
     "sortby": lambda ds, _: ds.sortby("velocity", ascending=False).sortby("velocity"),
     "netCDF": file_of,
     "Zarr": store_of,

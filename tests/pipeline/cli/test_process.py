@@ -59,8 +59,9 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
 
 @pytest.mark.parametrize("command", whole_parser().get_default("commands"))
 def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
-    output = irg(command, "--help")
-    program, *words = shlex.split(output.splitlines()[-1])
+    *_, heading, example = irg(command, "--help").splitlines()
+    assert heading == "example:"
+    program, *words = shlex.split(example)
     assert program == "irg"
     options = parse(words)
     assert callable(pkgutil.resolve_name(options.function))

@@ -13,8 +13,10 @@ import pipeline
 import tribo
 from pipeline.answers.headline import to_decide
 from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
+from pipeline.figures.style import texts_of
 from pipeline.run.boundary_variants import missing_variants
 from pipeline.store.store import opened
+from tests.helpers.wording import assert_as_kept, names_and_units
 
 SMALL = {
     "without": ["tests"],
@@ -176,6 +178,12 @@ def test_inputs_that_a_designer_chooses_are_marked(study):
     assert choices["pin.radius"] == "geometry"
     assert choices["disk.roughness.ra"] == "finish"
     assert choices["oil.kinematic_viscosity"] == choices["temperature.critical"] == "oil"
+
+
+def test_sensitivities_read_as_they_are_kept(study):
+    figure = "\n".join(texts_of(pipeline.plot(study)))
+    texts = {"variables": names_and_units(study), "film": study.attrs["film"], "figure": figure}
+    assert_as_kept("sensitivities", texts)
 
 
 def test_a_film_is_outside_the_model_from_the_stated_viscosity_on(study, tmp_path):

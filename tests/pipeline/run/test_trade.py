@@ -3,6 +3,8 @@
 import pytest
 
 import pipeline
+from pipeline.figures.style import texts_of
+from tests.helpers.wording import assert_as_kept
 
 SMALL = {
     "without": ["tests"],
@@ -47,3 +49,10 @@ def test_table_and_figure_have_each_run(measured, tmp_path):
     assert trade.table["numerical error [%]"].tolist() == pytest.approx(errors, rel=1e-2)
     assert "accuracy 10%" in str(trade)
     assert pipeline.plot(trade, out=tmp_path / "trade.svg").exists()
+
+
+def test_the_words_of_a_trade_are_kept(measured):
+    trade = measured[0]
+    heading, *_, last = str(trade).splitlines()
+    figure = "\n".join(texts_of(pipeline.plot(trade)))
+    assert_as_kept("trade", {"table": f"{heading}\n{last}", "figure": figure})

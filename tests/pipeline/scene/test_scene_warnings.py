@@ -1,5 +1,6 @@
 """Closed-form estimates of scenes, compared with simulations, and warnings about scenes."""
 
+import tomllib
 from dataclasses import replace
 from unittest import mock
 
@@ -238,9 +239,9 @@ RUN = 'velocity = "2 m/s"\nmild_up_to = "300 N"\nsevere_at = "400 N"\n'
 FRESH = "one specimen at several points, but each is simulated as a fresh specimen and thus too hot"
 
 
-def test_a_specimen_that_is_simulated_as_several_is_told_with_the_effect(tmp_path, irg):
-    scene = tmp_path / "scene.toml"
-    scene.write_text(f'extends = "first_try"\nwithout = ["tests"]\n[[tests]]\n{RUN}')
-    statements = [row["meaning"] for row in irg("check", scene, "--json")["statements"]]
-    (line,) = [statement for statement in statements if statement.startswith("test ")]
-    assert line.startswith(f"test 1: {FRESH}")
+@pytest.mark.parametrize(("count", "name"), [(1, "test 1"), (2, "tests 1, 2")])
+def test_a_specimen_that_is_simulated_as_several_is_told_with_the_effect(count, name):
+    runs = [tomllib.loads(RUN)] * count
+    scene = load_scene("first_try", overrides={"tests": runs})
+    (line,) = [warning.text for warning in scene.all_warnings if FRESH in warning.text]
+    assert line.startswith(f"{name}: {FRESH}")
