@@ -11,6 +11,7 @@ import pipeline
 from pipeline.answers.answer_frames import margin_frame
 from pipeline.answers.facts import fact_lines, facts, other_lines
 from pipeline.answers.headline import headline, probability_line, to_decide
+from pipeline.answers.value_text import error_of
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
@@ -18,6 +19,15 @@ from tests.helpers.entries import bare_test
 from tribo import WarningKind
 
 LIMIT = synthetic.limit()
+
+
+def test_a_critical_value_has_the_digits_of_its_error():
+    answer = pipeline.margin(synthetic.sweep(), 400.0, 1.4)
+    rise = answer["governing_temperature"] - answer["bulk_temperature"]
+    relative = (answer["temperature_error"] / rise).item()
+    for name, exponent in (("critical_friction", 1.0), ("critical_velocity", 0.65)):
+        error = error_of(answer, name) / answer[name]
+        assert error.item() == pytest.approx(relative / exponent)
 
 
 def without_model_error(**options):

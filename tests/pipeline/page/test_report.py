@@ -227,6 +227,12 @@ def test_an_operating_point_at_the_ends_of_the_sweep_is_marked_in_the_diagram():
     assert 'id="operating point"' in diagram
 
 
+def test_a_report_has_a_point_or_a_table_of_points():
+    for places in ({"load": 400.0}, {"load": 400.0, "velocity": 1.0, "points": ONE_ROW}):
+        with pytest.raises(InputError, match="a load and a velocity, or a table of points, or nei"):
+            pipeline.report(plane(), **places)
+
+
 def test_rows_are_judged_and_the_deciding_one_is_bold(undrawn, sweep):
     points = {"case": ["idle", "full"], "load [N]": [200, 700], "velocity [m/s]": [1, 4]}
     table = pipeline.margin(sweep, points)

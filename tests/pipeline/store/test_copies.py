@@ -186,6 +186,17 @@ def test_a_store_without_the_folder_of_an_array_of_fields_is_extended_by_realiza
     assert summary(path).done == 2
 
 
+@pytest.mark.parametrize(("build", "computed"), [(tiny.full, 1), (tiny.sweep, 0)])
+def test_a_point_is_copied_if_it_has_the_fields_that_are_wanted(path, build, computed):
+    """A store has the fields of its first realization only."""
+    axes = {"loads": (150.0,), "velocities": (0.5,)}
+    commit_all(path, tiny.full(**axes, case_table=surface_table((3, 4))))
+    second, copy = build(**axes, case_table=surface_table((4,))), beside(path, ".copy")
+    outcome = pipeline.run_sweep(second, copy, workers=1, source=path)
+    assert (outcome.done, outcome.computed) == (1, computed)
+    assert verify_store(copy).is_clean
+
+
 def test_a_store_is_readable_however_often_it_grows(path, monkeypatch):
     monkeypatch.setattr(arrays, "_MAX_CHECKSUMS", 3)
     expected = [Point(150.0, 0.5)]
