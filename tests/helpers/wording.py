@@ -2,6 +2,7 @@
 
 import os
 import re
+import socket
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,10 +19,10 @@ _LAYOUT = re.compile(r"\n? {2,}")
 
 
 def relative(text: str, *folders: Path) -> str:
-    """Text with the paths of folders relative to them."""
+    """Text with the paths of folders relative to them, and without the name of this machine."""
     for folder in folders:
         text = text.replace(f"{folder}/", "").replace(str(folder), ".")
-    return text
+    return text.replace(f" on {socket.gethostname()}", " on this machine")
 
 
 def refusal(function: Callable[..., Any], *arguments: Any) -> str:
