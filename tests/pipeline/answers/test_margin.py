@@ -21,6 +21,14 @@ from tribo import WarningKind
 LIMIT = synthetic.limit()
 
 
+def test_after_six_reasons_the_number_of_further_points_is_printed():
+    loads, velocities = np.repeat(np.arange(1000.0, 1800.0, 100.0), 2), np.tile([1.0, 2.0], 8)
+    answer = pipeline.margin(synthetic.sweep(), loads, velocities)
+    *reasons, last = fact_lines(answer, "without a verdict")
+    assert sum("is outside the sweep" in " ".join(line.split()) for line in reasons) == 6
+    assert last == "without a verdict: 4 further points; see the column reason of -o TABLE.csv"
+
+
 def test_a_critical_value_has_the_digits_of_its_error():
     answer = pipeline.margin(synthetic.sweep(), 400.0, 1.4)
     rise = answer["governing_temperature"] - answer["bulk_temperature"]

@@ -186,10 +186,12 @@ def test_few_velocities_become_more_where_the_goal_needs_them():
 
 def test_without_a_crossing_the_search_ends_after_few_points():
     specimen = Specimen(0)
-    for level in (0.01, 100.0):
+    for level, end in ((0.01, len(VELOCITIES) - 1), (100.0, 0)):
         search = specimen.search(0.02)
         specimen.rise = lambda point, k=level: k * LIMIT * VELOCITIES[point.velocity] ** 0.6
-        assert len(specimen.run(search)) <= 15  # three at each of five loads
+        points = specimen.run(search)
+        assert len(points) <= 15  # three at each of five loads
+        assert end in {point.velocity for point in points}  # the end that decides is simulated
         assert np.isnan(search.critical).all()
 
 

@@ -254,6 +254,9 @@ ENTRIES = {
     "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
     # uncertain inputs
     "no input": (uncertain("pin.radios", "5 %"), 'is no input of the scene (did you mean "pin.rad'),
+    "infinite input": (
+        entry("uncertainty", {"materials.steel.hardness": "5 %"},
+              without="materials.steel.hardness"), "hardness: is no input of the scene"),
     "zero deviation": (uncertain("pin.radius", "0 %"), '"0 %" is outside the allowed range; giv'),
     "no temperature difference": (uncertain("temperature.bulk", "5 %"), "is not a number with a"),
     "input twice": (uncertain("pin.radius, pin.radius", "5 %"), "has pin.radius a second time"),

@@ -72,6 +72,12 @@ def test_elements_lower_than_a_tenth_of_rz_are_not_counted():
     assert mean_spacing(wave + ripple, 1.0, 0.001) < 190
 
 
+def test_elements_of_a_short_profile_end_between_its_heights():
+    for wavelength in (7.37, 9.61, 13.3):
+        profile = np.sin(2 * np.pi * np.arange(40) / wavelength + 0.3)
+        assert mean_spacing(profile, 1.0, 0.2) == pytest.approx(wavelength, rel=0.02)
+
+
 def test_a_scene_with_rsm_is_the_scene_with_the_length_that_follows():
     by_rsm = load_scene("first_try", overrides={"disk.roughness.rsm": "60 um"})
     (length, _) = by_rsm.scene.roughness.correlation_length
