@@ -201,7 +201,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate, missing: int) -> Iterator[_Row]:
     if has_unknown_preset_error(sweep):
         yield (
             "error",
-            "unknown for custom numerical settings; --accuracy 2% replaces them by a preset",
+            "unknown for custom numerical settings; irg run --accuracy 2% sets a preset instead",
         )
     elif has_boundary(sweep):
         yield "error", preset_error_text(sweep)
