@@ -14,7 +14,8 @@ from tribo import TriboError
 
 FOLDER = Path(__file__).parents[1] / "wording"
 _IS_WRITTEN = "IRG_WRITE_WORDING" in os.environ
-_NUMBER = re.compile(r"\b(0x)?(?=\d*[a-f])(?=[a-f]*\d)[0-9a-f]{7,}\b|\d[\d.]*(e[+-]?\d+)?")
+_CHANGING = re.compile(r"\b(0x)?(?=\d*[a-f])(?=[a-f]*\d)[0-9a-f]{7,}\b|process \d+|\d+\.\d+\.\d+")
+_NUMBER = re.compile(_CHANGING.pattern + r"|\d[\d.]*(e[+-]?\d+)?")
 _LAYOUT = re.compile(r"\n? {2,}")
 
 
@@ -40,12 +41,14 @@ def names_and_units(ds: xr.Dataset) -> str:
     )
 
 
-def assert_as_kept(name: str, texts: dict[str, str]) -> None:
+def assert_as_kept(name: str, texts: dict[str, str], with_numbers: bool = False) -> None:
     """Compare texts with those of a file, in which each stands below its title, or write them.
 
-    Numbers and digests count as equal, and so do line breaks before spaces and their number.
+    Digests, versions and numbers of processes count as equal, other numbers unless they are asked
+    for, and any spaces and line breaks before them.
     """
-    plain = {title: _LAYOUT.sub(" ", _NUMBER.sub("#", text)) for title, text in texts.items()}
+    left_out = _CHANGING if with_numbers else _NUMBER
+    plain = {title: _LAYOUT.sub(" ", left_out.sub("#", text)) for title, text in texts.items()}
     written = "".join(f"== {title}\n{text.strip()}\n" for title, text in plain.items())
     file = FOLDER / f"{name}.txt"
     if _IS_WRITTEN:
