@@ -82,18 +82,18 @@ def test_an_answer_of_the_program_is_read_as_points(tiny_store, tmp_path):
     assert again["pump"].values.tolist() == ["a", "b"]
 
 
-SLIPS = {
-    'title = "C:\\Users\\a"\n': "line 3: a backslash begins an escape",
-    'title = "open\n': "line 3: a quote is not closed",
-    "title = 'open\n": "line 3: a quote is not closed",
-    "title = open\n": "line 3: put text in quotes",
-    "[pin]\nradius = 2 mm\n": "line 4: put text in quotes",
-    'title "a"\n': "line 3: write = between a key and its value",
-    '[pin]\nradius = "2 mm"\n[pin]\n': r"line 5: \[pin\] occurs twice",
-    'sweep = { loads = ["2 N"],\n velocities = ["1 m/s"] }\n': "a table in braces stands on one",
-    "[friction]\ncoefficient = 0,1\n": "line 4: a number has a comma",
-    'title = "a"\ntitle = "b"\n': "line 4: the entry occurs twice",
-}
+SLIPS = [
+    'title = "C:\\Users\\a"\n',
+    'title = "open\n',
+    "title = 'open\n",
+    "title = open\n",
+    "[pin]\nradius = 2 mm\n",
+    'title "a"\n',
+    '[pin]\nradius = "2 mm"\n[pin]\n',
+    'sweep = { loads = ["2 N"],\n velocities = ["1 m/s"] }\n',
+    "[friction]\ncoefficient = 0,1\n",
+    'title = "a"\ntitle = "b"\n',
+]
 
 
 def load(slip, folder):
@@ -101,12 +101,6 @@ def load(slip, folder):
     return pipeline.load_scene(folder / "a.toml")
 
 
-@pytest.mark.parametrize("slip", SLIPS)
-def test_slips_in_toml_are_named_in_words(slip, tmp_path):
-    with pytest.raises(pipeline.SceneFileError, match=SLIPS[slip]):
-        load(slip, tmp_path)
-
-
-def test_slips_in_toml_read_as_they_are_kept(tmp_path):
-    texts = {slip: relative(refusal(load, slip, tmp_path), tmp_path) for slip in SLIPS}
-    assert_as_kept("slips_in_toml", texts)
+def test_slips_in_toml_are_named_in_words_that_are_kept(tmp_path):
+    texts = {repr(slip): relative(refusal(load, slip, tmp_path), tmp_path) for slip in SLIPS}
+    assert_as_kept("slips_in_toml", texts, with_numbers=True)

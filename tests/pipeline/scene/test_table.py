@@ -48,49 +48,36 @@ def test_a_table_of_western_excel_is_read(tmp_path):
     assert table.columns["bulk_temperature"] == [333.15]
 
 
-REFUSED = [  # text of a table, and a part of the refusal
-    (f"{HEADS}\n300,1,5\n", "row 2 has 3 cells below 2 headings"),
-    (f"{HEADS},friction\n300,1.5\n", "row 2 has 2 cells below 3 headings"),
-    (f"{HEADS},load [kN]\n300,1.5,2\n", "occurs twice"),
-    (f"{HEADS}\n300,1.5\n# later,\n", r"row 3, load .N.: "),
-    (f"{HEADS},mue\n300,1.5,0.2\n", r'"mue" has numbers \("0.2" in row 2\), but is unknown'),
-    (f"{HEADS},friction,friction.coefficient\n300,1.5,0.1,0.2\n", "occurs twice"),
-    (f"{HEADS},motion.slide_roll_ratio\n300,1.5,0.1\n", "slide_roll_ratio. has numbers"),
-    (
-        "load [N];velocity [mm/s]\n1.200;1.500\n",
-        r"1\.200 may be a thousand times as much; set decimal = ",
-    ),
-    (f'{HEADS}\n300,"1.5\n', "row 2: unexpected end of data"),
-    (f"{HEADS}\n300,1.\0005\n", "is binary"),
-    (f"Rig 3\n{HEADS}\n300,1.5\n", "row 2 has 2 cells below 1 headings"),
-    (f"{HEADS}\n300,1.5,2\n-1,2\n", r"(?s)row 2 has 3 cells.*row 3, load \[N\]"),
-    (
-        f"{HEADS},COF\n300,1.5,0.1\n",
-        r'"COF" has numbers .*, but is unknown; rename it to one of',
-    ),
-    ("load [N],speed [m/s]\n300,1.5\n", r"no column velocity in"),
-    ("load [N],velocty [m/s]\n300,1.5\n", r'did you mean "velocity"'),
-    (f"{HEADS},surface speed [m/s]\n300,1.5,3\n", r'"surface speed \[m/s\]" has numbers'),
-    (f'{HEADS}\n"1,200",1.5\n', r"row 2, load \[N\]: 1,200 has a comma; write a point, or set"),
-    (
-        "PK\x03\x04\x00\x00xl/workbook.xml",
-        "is a workbook; save its sheet as CSV",
-    ),
-    (HEADS, "has no rows below its headings"),
-    ("\x00\x01\x02\x03" * 99, "is binary"),
+REFUSED = [
+    f"{HEADS}\n300,1,5\n",
+    f"{HEADS},friction\n300,1.5\n",
+    f"{HEADS},load [kN]\n300,1.5,2\n",
+    f"{HEADS}\n300,1.5\n# later,\n",
+    f"{HEADS},mue\n300,1.5,0.2\n",
+    f"{HEADS},friction,friction.coefficient\n300,1.5,0.1,0.2\n",
+    f"{HEADS},motion.slide_roll_ratio\n300,1.5,0.1\n",
+    "load [N];velocity [mm/s]\n1.200;1.500\n",
+    f'{HEADS}\n300,"1.5\n',
+    f"{HEADS}\n300,1.\0005\n",
+    f"Rig 3\n{HEADS}\n300,1.5\n",
+    f"{HEADS}\n300,1.5,2\n-1,2\n",
+    f"{HEADS},COF\n300,1.5,0.1\n",
+    "load [N],speed [m/s]\n300,1.5\n",
+    "load [N],velocty [m/s]\n300,1.5\n",
+    f"{HEADS},surface speed [m/s]\n300,1.5,3\n",
+    f'{HEADS}\n"1,200",1.5\n',
+    "PK\x03\x04\x00\x00xl/workbook.xml",
+    HEADS,
+    "\x00\x01\x02\x03" * 99,
 ]
 
 
-@pytest.mark.parametrize(("text", "words"), REFUSED)
-def test_others_are_refused_with_row_and_column(tmp_path, text, words):
-    with pytest.raises(InputError, match=words):
-        points(tmp_path, text)
-
-
-def test_refusals_read_as_they_are_kept(tmp_path):
-    messages = (refusal(points, tmp_path, text) for text, _ in REFUSED)
-    texts = {str(number): relative(text, tmp_path) for number, text in enumerate(messages)}
-    assert_as_kept("refusals_of_tables", texts)
+def test_others_are_refused_with_row_and_column_in_words_that_are_kept(tmp_path):
+    texts = {
+        f"{number}: {text!r:.60}": relative(refusal(points, tmp_path, text), tmp_path)
+        for number, text in enumerate(REFUSED)
+    }
+    assert_as_kept("refusals_of_tables", texts, with_numbers=True)
 
 
 def test_a_point_where_decimals_have_commas_is_no_thousand(tmp_path):
