@@ -10,6 +10,7 @@ from scipy.stats import t as student
 
 import pipeline
 from pipeline.answers.posterior import Prior, update
+from pipeline.store.schema import DONE, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import named
 from tests.helpers.entries import bare_test
@@ -146,6 +147,13 @@ def test_tests_of_one_outcome_bound_it_on_one_side_and_decide_nothing(outcome):
     bound = BULK + 120.0 * math.exp(sign * level)
     assert inference[side].item() == pytest.approx(bound, abs=1.0)  # of the grid of biases
     assert np.isnan(inference[other])
+
+
+def test_while_a_test_waits_it_is_the_reason_and_not_that_no_test_was_severe():
+    mild, waiting = bare_test(400.0, 1.2, outcome="mild"), bare_test(700.0, 4.0, outcome="severe")
+    ds = synthetic.with_tests(swept(mild, waiting), status=[DONE, PENDING])
+    answer = pipeline.margin(ds, 200.0, 0.5)
+    assert answer["reason"].item().startswith("test 2 (severe, 700 N, 4 m/s) has not been simul")
 
 
 def test_every_door_has_the_same_critical_temperature():

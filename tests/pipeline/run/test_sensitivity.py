@@ -15,6 +15,7 @@ from pipeline.answers.headline import to_decide
 from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
 from pipeline.figures.style import texts_of
 from pipeline.run.boundary_variants import missing_variants
+from pipeline.scene.variants import variants_of
 from pipeline.store.store import opened
 from tests.helpers.wording import assert_as_kept, names_and_units
 
@@ -178,6 +179,19 @@ def test_inputs_that_a_designer_chooses_are_marked(study):
     assert choices["pin.radius"] == "geometry"
     assert choices["disk.roughness.ra"] == "finish"
     assert choices["oil.kinematic_viscosity"] == choices["temperature.critical"] == "oil"
+
+
+def test_the_scale_of_a_scan_is_an_input_that_scales_its_heights():
+    scale = "disk.roughness.height_unit"
+    scene = pipeline.load_scene("scan", overrides={"uncertainty": {scale: "5 %"}})
+    heights = {
+        variant.factor: variant.case.scene.roughness.array
+        for variant in variants_of(scene, [(400.0, 2.0, ())], {scale})
+        if variant.entry == scale
+    }
+    assert len(heights) == 2
+    for factor, array in heights.items():
+        np.testing.assert_allclose(array, factor * scene.scene.roughness.array, rtol=1e-9)
 
 
 def test_sensitivities_read_as_they_are_kept(study):

@@ -66,6 +66,22 @@ def test_a_verdict_has_the_warnings_of_its_point():
     assert tribo.WarningKind.CONTACT_AT_EDGE in {warning.kind for warning in verdict.warnings}
 
 
+@pytest.mark.parametrize(
+    ("quantity", "low", "high"),
+    [
+        ("thermal_conductivity", 0.05, 2500), ("density", 500, 25e3), ("specific_heat", 100, 5e3),
+        ("length", 1e-4, 1.0), ("crown_radius", 1e-4, 100.0), ("slide_roll_ratio", -20, 20),
+        ("duration", 0.05, 1e6), ("added_rise_fraction", 0, 0.5),
+    ],
+)  # fmt: skip
+def test_usual_values_end_where_no_real_contact_is(quantity, low, high):
+    usual, margin = USUAL[quantity], 1e-3 * high
+    assert usual.contains(high - margin)
+    assert not usual.contains(high + margin)
+    assert usual.contains(low + 1e-3 * abs(low))
+    assert not usual.contains(low - 1e-3 * (abs(low) or high))
+
+
 def test_units_have_the_sizes_that_pint_gives():
     for usual in USUAL.values():
         for unit, size in ((usual.unit, usual.size), *usual.mistaken):
