@@ -208,7 +208,6 @@ ENTRIES = {
     "falling": entry("sweep.velocities.to", "0.1 m/s"),
     "falling band": entry("friction.band", [0.2, 0.1]),
     "materials": entry("materials", 3),
-    "what materials are": entry("materials", 3),
     "entries as a preset": lambda: load_scene("first_try", {"pin.radius": "3 mm"}),
     "pin": entry("pin", 3),
     "key": entry("realisations", 3),
@@ -224,7 +223,7 @@ ENTRIES = {
     # uncertain inputs
     "no input": uncertain("pin.radios", "5 %"),
     "infinite input": entry("uncertainty", {"materials.steel.hardness": "5 %"},
-              without="materials.steel.hardness"),
+                             without="materials.steel.hardness"),
     "zero deviation": uncertain("pin.radius", "0 %"),
     "no temperature difference": uncertain("temperature.bulk", "5 %"),
     "input twice": uncertain("pin.radius, pin.radius", "5 %"),
@@ -241,8 +240,8 @@ ENTRIES = {
     "input of a part of a user": lambda: variants_of(
         with_law(), [(400.0, 2.0, ())], {"wear.specific_wear_rate"}),
     "entry of a part of a user": lambda: with_law().source.changed("wear.specific_wear_rate", 0),
-    "input refused on both sides": lambda: variants_of(load_scene("first_try", overrides=TIGHT),
-                            [(20.0, 2.0, ())], {"pin.length"}),
+    "input refused on both sides": lambda: variants_of(
+        load_scene("first_try", overrides=TIGHT), [(20.0, 2.0, ())], {"pin.length"}),
     # several values of an entry
     "over fixed": over("sweep.loads", [1, 2]),
     "over twice": over("pin.radius", ["1 mm", "1000 um"]),
