@@ -36,6 +36,18 @@ severe_at = "400 N"
 DUTY = "load [N],velocity [m/s]\n" + "".join(
     f"{load},{load / 200}\n" for load in range(200, 420, 9)
 )
+ROWS = """
+extends = "small.toml"
+without = ["sweep.loads", "sweep.velocities", "uncertainty", "tests"]
+[[sweep.along]]
+place = "A"
+load = "200 N"
+velocity = "1 m/s"
+[[sweep.along]]
+place = "B"
+load = "300 N"
+velocity = "2 m/s"
+"""
 POINT = '--load "300 N" --velocity "1.5 m/s"'
 IN_TURN = [
     "new mine.toml",
@@ -61,12 +73,16 @@ IN_TURN = [
     "infer small.toml",
     f'infer small.toml {POINT} --contact-width "0.2 mm"',
     "plot a.zarr",
+    "run rows.toml -o b.zarr -j 1",
+    "boundary b.zarr",
+    "plot b.zarr",
     f"report a.zarr {POINT} -o a.html",
 ]
 """Commands that are typed one after the other in a folder."""
 
 CHECKS = [
-    *("cam_tappet", "designs", "fig4", "gear_mesh", "mtm", "pin_on_disk", "scan", "whole_pin"),
+    *("cam_tappet", "designs", "fig4", "gear_mesh", "ground_ring", "mtm", "pin_on_disk", "scan"),
+    "whole_pin",
     "first_try --set sweep.loads='[\"900 N\"]' --set wear.pattern=local",
     "first_try --set without=wear --set disk.roughness.correlation_length='200 um'",
     "first_try --set friction.coefficient=1.5 --set without=friction.band",
@@ -101,6 +117,7 @@ def test_commands_read_as_they_are_kept(tmp_path, monkeypatch, capsys, undrawn):
     scene = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "standard"')
     (tmp_path / "small.toml").write_text(scene + UNCERTAIN_AND_TESTED, encoding="utf-8")
     (tmp_path / "duty.csv").write_text(f"{DUTY}5000,1\n")
+    (tmp_path / "rows.toml").write_text(ROWS)
     texts = {command: printed(capsys, tmp_path, command) for command in IN_TURN}
     assert_as_kept("commands", texts)
 

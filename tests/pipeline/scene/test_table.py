@@ -1,6 +1,8 @@
 """Tables are read completely, or refused with the row and column of the fault."""
 
+import pandas as pd
 import pytest
+import xarray as xr
 
 from pipeline.condition_kinds import OperatingPoints
 from pipeline.faults import Faults
@@ -70,6 +72,24 @@ REFUSED = [
     HEADS,
     "\x00\x01\x02\x03" * 99,
 ]
+
+
+LOADS, VELOCITIES = {"load [N]": [300.0, 400.0]}, {"velocity [m/s]": [1.5, 2.5]}
+OBJECTS = {
+    "an index": pd.DataFrame(LOADS | VELOCITIES, index=pd.Index(["a", "b"], name="case")),
+    "a dataset": xr.Dataset(),
+    "a single value": LOADS | {"velocity [m/s]": 1.5},
+    "columns of unlike lengths": LOADS | {"velocity [m/s]": [1.5]},
+    "a column without a heading": LOADS | VELOCITIES | {" ": [1.0, 2.0]},
+    "a heading twice": LOADS | VELOCITIES | {"load [kN]": [0.3, 0.4]},
+    "no value": LOADS | {"velocity [m/s]": [1.5, None]},
+    "an array in a cell": LOADS | {"velocity [m/s]": [[1.5], 2.5]},
+}
+
+
+def test_objects_are_refused_as_tables_in_words_that_are_kept():
+    texts = {name: refusal(OperatingPoints.read, table) for name, table in OBJECTS.items()}
+    assert_as_kept("refusals_of_objects", texts, with_numbers=True)
 
 
 def test_others_are_refused_with_row_and_column_in_words_that_are_kept(tmp_path):
