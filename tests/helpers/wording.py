@@ -14,8 +14,9 @@ from tribo import TriboError
 
 FOLDER = Path(__file__).parents[1] / "wording"
 _IS_WRITTEN = "IRG_WRITE_WORDING" in os.environ
-_CHANGING = re.compile(r"\b(0x)?(?=\d*[a-f])(?=[a-f]*\d)[0-9a-f]{7,}\b|process \d+|\d+\.\d+\.\d+")
-_NUMBER = re.compile(_CHANGING.pattern + r"|\d[\d.]*(e[+-]?\d+)?")
+_DIGEST = r"\b(?:0x)?(?=\d*[a-f])(?=[a-f]*\d)[0-9a-f]{7,}\b"
+_CHANGING = re.compile(rf"{_DIGEST}|process \d+|\d+\.\d+\.\d+")
+_NUMBER = re.compile(rf"{_DIGEST}|\d[\d.]*(?:e[+-]?\d+)?")
 _LAYOUT = re.compile(r"\n? {2,}")
 
 
