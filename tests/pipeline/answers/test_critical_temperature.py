@@ -170,6 +170,14 @@ def test_every_door_has_the_same_critical_temperature():
     assert ((failed > 0.1) == (failed["velocity"] > turns)).all()
 
 
-def test_a_critical_temperature_names_the_surface_wear_and_preset_to_which_it_belongs():
-    inference = pipeline.infer(swept(bare_test(400.0, 2.0)))
-    assert inference.attrs["model"] == "a random surface, wear pattern swept, preset fine"
+@pytest.mark.parametrize(
+    ("parts", "model"),
+    [
+        ({}, "a random surface, wear pattern swept, preset fine"),
+        ({"roughness": None, "wear": None, "preset": None},
+         "a smooth surface, no wear, custom numerical settings"),
+    ],
+)  # fmt: skip
+def test_a_critical_temperature_names_the_surface_wear_and_preset_to_which_it_belongs(parts, model):
+    inference = pipeline.infer(swept(bare_test(400.0, 2.0), **parts))
+    assert inference.attrs["model"] == model

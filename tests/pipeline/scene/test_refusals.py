@@ -191,6 +191,8 @@ ENTRIES = {
         "pin.relief": RELIEF | {"length": "2 mm"}}),
     "ends of a ball": lambda: load_scene("ball_on_disk", overrides={"pin.ends": "free"}),
     "sharp ends": entry("pin.ends", "sharp"),
+    "long text": entry("pin.ends", "sharp " * 40),
+    "vast number": entry("increments", 10**35),
     "crown": entry("pin.shape", "crowned", without="pin.length"),
     "no length": lambda: scene(without="disk.roughness.correlation_length"),
     "two spellings": entry("increments", 5, **{"fidelity.increments": 6}),
