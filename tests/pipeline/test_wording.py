@@ -11,10 +11,9 @@ from pipeline.figures.rows_figure import draw_rows
 from pipeline.figures.style import texts_of
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
-from tests.helpers.entries import bare_test
 from tests.helpers.scenes import SCENE
 from tests.helpers.wording import assert_as_kept, names_and_units, relative
-from tests.pipeline.figures.test_planes import surfaces, two_pins
+from tests.pipeline.figures.test_planes import NOT_DONE, TESTED, surfaces, two_pins
 from tests.pipeline.figures.test_planes import sweep as plane
 from tests.pipeline.figures.test_plot import POINTS
 
@@ -128,13 +127,6 @@ def test_checks_read_as_they_are_kept(tmp_path, monkeypatch, capsys):
     assert_as_kept("checks", texts)
 
 
-TESTED = (
-    bare_test(250.0, 1.5, outcome="mild"),
-    bare_test(500.0, 3.0, outcome="severe"),
-    bare_test(350.0, 2.5, outcome="severe", bulk_temperature=333.15, number="warm"),
-    bare_test(901.0, 2.0, outcome="mild"),
-)
-NOT_DONE = {(200.0, 4.0): FAILED, (300.0, 1.0): PENDING}
 FIGURES = {
     "diagram": partial(synthetic.sweep, status={(300.0, 1.5): FAILED, (750.0, 4.0): PENDING}),
     "diagram with tests": partial(plane, tests=TESTED, friction_band=(0.08, 0.12), status=NOT_DONE),

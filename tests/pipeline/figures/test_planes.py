@@ -82,8 +82,11 @@ def surfaces(*factors):
     return xr.concat(several, labels, combine_attrs="override")
 
 
+NOT_DONE = {(200.0, 4.0): FAILED, (300.0, 1.0): PENDING}
+
+
 def test_points_that_are_not_done_are_marked():
-    ds = sweep(status={(200.0, 4.0): FAILED, (300.0, 1.0): PENDING})
+    ds = sweep(status=NOT_DONE)
     axes, words, legend = drawn(ds)
     assert marks(axes, "lacking") == {(4.0, 200.0), (1.0, 300.0)}
     all_points = {(velocity, load) for velocity in VELOCITIES for load in LOADS}
@@ -93,15 +96,17 @@ def test_points_that_are_not_done_are_marked():
     assert len(words) <= 5
 
 
+TESTED = (
+    bare_test(250.0, 1.5, outcome="mild"),
+    bare_test(500.0, 3.0, outcome="severe"),
+    bare_test(350.0, 2.5, outcome="severe", bulk_temperature=333.15, number="warm"),
+    bare_test(901.0, 2.0, outcome="mild"),
+    bare_test(200.0, 9.0, outcome="mild"),
+)
+
+
 def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
-    tests = (
-        bare_test(250.0, 1.5, outcome="mild"),
-        bare_test(500.0, 3.0, outcome="severe"),
-        bare_test(350.0, 2.5, outcome="severe", bulk_temperature=333.15, number="warm"),
-        bare_test(901.0, 2.0, outcome="mild"),
-        bare_test(200.0, 9.0, outcome="mild"),
-    )
-    axes = pipeline.plot(sweep(tests=tests)).axes[0]
+    axes = pipeline.plot(sweep(tests=TESTED)).axes[0]
     markers = lines(axes)
     colours = {line.get_gid(): line.get_markerfacecolor() for line in axes.lines}
     assert markers["test mild"].tolist() == [[1.5, 250.0]]
