@@ -33,7 +33,7 @@ scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pi
 
 reference: .venv/test ## write the references of scene file, dataset, commands and Python, and all texts, again
 	$(BIN)/python -m tests.sources.reference
-	IRG_WRITE_WORDING=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q tests -k are_kept
+	IRG_WRITE_KEPT=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q tests -k are_kept
 
 notebooks: .venv/test ## run the notebooks, and store what their cells show, in 2 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m workflows.notebooks

@@ -11,7 +11,7 @@ import pytest
 type(pytest.approx(0.0)).DEFAULT_ABSOLUTE_TOLERANCE = 0.0
 
 
-pytest.register_assert_rewrite("tests.helpers.wording")  # which shows what differs
+pytest.register_assert_rewrite("tests.helpers.kept")  # which shows what differs
 
 MEMORY = Path("/dev/shm")
 

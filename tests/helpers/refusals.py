@@ -14,7 +14,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
-from tests.helpers.wording import assert_as_kept, relative
+from tests.helpers.kept import assert_as_kept, relative
 from tribo import TriboError
 
 ROOT = Path(pipeline.__file__).resolve().parent
@@ -71,7 +71,7 @@ class Refusals:
             name: relative(outcome.message, outcome.folder, *of_stores)
             for name, outcome in outcomes.items()
         }
-        assert_as_kept(f"refusals_{self.package.stem}", texts, with_numbers=True)
+        assert_as_kept(f"refusals_{self.package.stem}", texts)
 
     def check_all(self, elsewhere: Collection[str] = ()) -> None:
         """Assert that the table covers every error and fault except those tested `elsewhere`."""

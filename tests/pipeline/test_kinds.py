@@ -1,4 +1,4 @@
-"""Refusals of single values: what causes each at every door; tests/wording has what it says."""
+"""Refusals of single values: what causes each at every door; tests/kept has what it says."""
 
 import io
 from contextlib import redirect_stderr

@@ -1,4 +1,4 @@
-"""All refusals of tribo: what causes each; tests/wording has what it says."""
+"""All refusals of tribo: what causes each; tests/kept has what it says."""
 
 import math
 from dataclasses import fields, replace

@@ -1,4 +1,4 @@
-"""All refusals of commands and their options: what causes each; tests/wording has what it says."""
+"""All refusals of commands and their options: what causes each; tests/kept has what it says."""
 
 from functools import partial
 from pathlib import Path

@@ -19,7 +19,7 @@ from pipeline.page.report import HEADLINES
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
-from tests.helpers.wording import assert_as_kept
+from tests.helpers.kept import assert_as_kept
 from tests.pipeline.conftest import leave_out_pictures
 from tests.pipeline.figures.test_planes import VELOCITIES, two_pins
 from tests.pipeline.figures.test_planes import sweep as plane

@@ -1,4 +1,4 @@
-"""Refusals of runs that need no cluster: what causes each; tests/wording has what it says."""
+"""Refusals of runs that need no cluster: what causes each; tests/kept has what it says."""
 
 from dataclasses import replace
 from pathlib import Path

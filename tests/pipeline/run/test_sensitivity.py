@@ -17,7 +17,7 @@ from pipeline.figures.style import texts_of
 from pipeline.run.boundary_variants import missing_variants
 from pipeline.scene.variants import variants_of
 from pipeline.store.store import opened
-from tests.helpers.wording import assert_as_kept, names_and_units
+from tests.helpers.kept import assert_as_kept, variables
 
 SMALL = {
     "without": ["tests"],
@@ -196,7 +196,7 @@ def test_the_scale_of_a_scan_is_an_input_that_scales_its_heights():
 
 def test_sensitivities_read_as_they_are_kept(study):
     figure = "\n".join(texts_of(pipeline.plot(study)))
-    texts = {"variables": names_and_units(study), "film": study.attrs["film"], "figure": figure}
+    texts = {"variables": variables(study), "film": study.attrs["film"], "figure": figure}
     assert_as_kept("sensitivities", texts)
 
 

@@ -4,7 +4,7 @@ import pytest
 
 import pipeline
 from pipeline.figures.style import texts_of
-from tests.helpers.wording import assert_as_kept
+from tests.helpers.kept import assert_as_kept
 
 SMALL = {
     "without": ["tests"],

@@ -8,7 +8,7 @@ import pytest
 import pipeline
 from pipeline.answers.answer_frames import complete_frame
 from pipeline.condition_kinds import OperatingPoints
-from tests.helpers.wording import assert_as_kept, refusal, relative
+from tests.helpers.kept import assert_as_kept, refusal, relative
 from tribo import InputError
 
 LOADS, VELOCITIES = [300.0, 1500.5], [1.25, 2.5]
@@ -103,4 +103,4 @@ def load(slip, folder):
 
 def test_slips_in_toml_are_named_in_words_that_are_kept(tmp_path):
     texts = {repr(slip): relative(refusal(load, slip, tmp_path), tmp_path) for slip in SLIPS}
-    assert_as_kept("slips_in_toml", texts, with_numbers=True)
+    assert_as_kept("slips_in_toml", texts)

@@ -1,4 +1,4 @@
-"""All refusals of scenes and of their files: what causes each; tests/wording has what it says."""
+"""All refusals of scenes and of their files: what causes each; tests/kept has what it says."""
 
 import math
 from pathlib import Path

@@ -9,7 +9,7 @@ from pipeline.faults import Faults
 from pipeline.scene import format as scene_format
 from pipeline.scene.table_kinds import TableKind
 from pipeline.table import read_table
-from tests.helpers.wording import assert_as_kept, refusal, relative
+from tests.helpers.kept import assert_as_kept, refusal, relative
 from tribo import InputError
 
 TEST = TableKind(scene_format.Test)
@@ -89,7 +89,7 @@ OBJECTS = {
 
 def test_objects_are_refused_as_tables_in_words_that_are_kept():
     texts = {name: refusal(OperatingPoints.read, table) for name, table in OBJECTS.items()}
-    assert_as_kept("refusals_of_objects", texts, with_numbers=True)
+    assert_as_kept("refusals_of_objects", texts)
 
 
 def test_others_are_refused_with_row_and_column_in_words_that_are_kept(tmp_path):
@@ -97,7 +97,7 @@ def test_others_are_refused_with_row_and_column_in_words_that_are_kept(tmp_path)
         f"{number}: {text!r:.60}": relative(refusal(points, tmp_path, text), tmp_path)
         for number, text in enumerate(REFUSED)
     }
-    assert_as_kept("refusals_of_tables", texts, with_numbers=True)
+    assert_as_kept("refusals_of_tables", texts)
 
 
 def test_a_point_where_decimals_have_commas_is_no_thousand(tmp_path):

@@ -1,4 +1,4 @@
-"""All refusals of stores: what causes each; tests/wording has what it says."""
+"""All refusals of stores: what causes each; tests/kept has what it says."""
 
 import shutil
 from pathlib import Path

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.surface.scan import read_scan
-from tests.helpers.wording import assert_as_kept, refusal, relative
+from tests.helpers.kept import assert_as_kept, refusal, relative
 from tribo import InputError
 
 HEIGHTS = np.random.default_rng(5).normal(0.0, 0.3, (48, 40))  # µm
@@ -53,7 +53,7 @@ def test_what_is_no_map_is_refused_by_its_name_in_words_that_are_kept(tmp_path):
         np.savetxt(tmp_path / "a.csv", np.atleast_2d(table), delimiter=",")
         for name in ("a.npy", "a.csv"):
             texts[f"{number} {name}"] = relative(refusal(read, tmp_path / name), tmp_path)
-    assert_as_kept("refusals_of_no_maps", texts, with_numbers=True)
+    assert_as_kept("refusals_of_no_maps", texts)
 
 
 def test_marks_of_missing_heights_are_holes_and_told(tmp_path):
@@ -95,4 +95,4 @@ def test_other_files_are_refused_with_help_in_words_that_are_kept(tmp_path):
     for number, content in enumerate(OTHER_FILES):
         (tmp_path / "a.txt").write_bytes(content)
         texts[str(number)] = relative(refusal(read, tmp_path / "a.txt"), tmp_path)
-    assert_as_kept("refusals_of_scans", texts, with_numbers=True)
+    assert_as_kept("refusals_of_scans", texts)

@@ -1,4 +1,4 @@
-"""All refusals of sweeps and their cases: what causes each; tests/wording has what it says."""
+"""All refusals of sweeps and their cases: what causes each; tests/kept has what it says."""
 
 import importlib
 import sys

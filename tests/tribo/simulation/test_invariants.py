@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.kept import assert_as_kept
 from tests.helpers.scenes import last, small_scene
-from tests.helpers.wording import assert_as_kept
 from tribo import InvariantError, TriboError, Wear, simulate
 from tribo.errors import RangeError
 from tribo.simulation import loading_step, temperature

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.kept import assert_as_kept
 from tests.helpers.scenes import STEEL, last, small_scene
-from tests.helpers.wording import assert_as_kept
 from tribo import Ball, Grid, Motion, WarningKind, Wear, warnings
 from tribo.simulation import start
 

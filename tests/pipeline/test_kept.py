@@ -11,8 +11,8 @@ from pipeline.figures.rows_figure import draw_rows
 from pipeline.figures.style import texts_of
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
+from tests.helpers.kept import assert_as_kept, relative, variables
 from tests.helpers.scenes import SCENE
-from tests.helpers.wording import assert_as_kept, names_and_units, relative
 from tests.pipeline.figures.test_planes import NOT_DONE, TESTED, surfaces, two_pins
 from tests.pipeline.figures.test_planes import sweep as plane
 from tests.pipeline.figures.test_plot import POINTS
@@ -156,5 +156,5 @@ def test_variables_of_answers_read_as_they_are_kept():
         "temperatures": pipeline.temperatures(ds),
         "critical temperature": pipeline.infer(tested),
     }
-    texts = {name: names_and_units(answer) for name, answer in answers.items()}
+    texts = {name: variables(answer) for name, answer in answers.items()}
     assert_as_kept("variables_of_answers", texts)
