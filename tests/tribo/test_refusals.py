@@ -156,6 +156,7 @@ REFUSALS = {
     "steps": lambda: list(Ramp(1.0, 1e-9).load_steps(600.0, 100)),
     "no numbers": lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]),
     "columns": lambda: MeasuredLoad([0.0, 1.0], [1.0]),
+    "a single reading": lambda: MeasuredLoad([0.0], [1.0]),
     "row": lambda: MeasuredLoad([0.0, 0.0], [0.0, 1.0]),
     "no rise": lambda: MeasuredLoad([0.0, 1.0], [5.0, 5.0]),
     "record load": lambda: list(MeasuredLoad([0.0, 1.0], [0.0, 1.0]).load_steps(0.0, 9)),

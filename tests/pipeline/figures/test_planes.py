@@ -149,6 +149,9 @@ def test_operating_points_are_marked_as_pairs_with_their_numbers():
     sides = {text.get_text(): (text.get_ha(), text.get_va()) for text in axes.texts}
     assert sides["300 N, 1.5 m/s"] == ("left", "bottom")
     assert sides["500 N, 3 m/s"] == ("right", "top")
+    for count, labelled in [(6, 6), (7, 0)]:
+        axes = drawn(sweep(), load=np.linspace(300, 400, count), velocity=[1.0] * count)[0]
+        assert sum(text.get_text().endswith("N, 1 m/s") for text in axes.texts) == labelled
 
 
 def two_pins(factors=(1.0, 0.1), **options):

@@ -47,10 +47,11 @@ def done(path):
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     path = tmp_path_factory.mktemp("goal") / "small.zarr"
-    messages = []
-    outcome = run(scene(), path, progress=lambda progress: messages.append(str(progress)))
+    reports = []
+    outcome = run(scene(), path, progress=reports.append)
     assert outcome.computed == outcome.done < 30
-    assert messages[0] == CHOICE
+    assert str(reports[0]) == CHOICE
+    assert reports[-1].total == outcome.total  # without points that are not needed
     return path
 
 

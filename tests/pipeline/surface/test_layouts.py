@@ -84,6 +84,15 @@ def test_an_axis_at_any_edge_is_named(axis, edge, tmp_path):
         read_scan(tmp_path / "a.txt", 1e-6)
 
 
+def test_heights_that_rise_as_evenly_as_an_axis_but_for_0_6_of_a_digit_are_heights(tmp_path):
+    slope = np.round(3.36 * np.arange(SHAPE[0]))
+    slope[12] += 1  # from 40, 0.3 below the line, to 0.6 above it
+    heights = np.c_[1e-3 * slope, HEIGHTS]
+    (tmp_path / "a.txt").write_text(text_of(rows_of(heights), "\t"))
+    read, _ = read_scan(tmp_path / "a.txt", 1e-6)
+    assert read.shape == heights.shape
+
+
 def test_a_text_says_where_it_stops_being_a_matrix(tmp_path):
     rows = rows_of(HEIGHTS)
     (tmp_path / "a.txt").write_text("# head\n" + text_of([*rows[:9], ["end"]], " "))
