@@ -78,7 +78,7 @@ def store_path_of(path: str | PathLike[str]) -> str | PathLike[str]:
     return path
 
 
-def open_regular(path: str | PathLike[str], flags: int = os.O_RDONLY) -> int:
+def open_regular(path: str | PathLike[str], flags: int) -> int:
     """Open a file without blocking, and return its descriptor.
 
     Raises an `OSError` unless it is a regular file, not a FIFO, a device or a folder.

@@ -75,12 +75,12 @@ class CaseResults:
     name: CaseName  #: The case, as the sweep names it.
     ds: xr.Dataset = field(repr=False)
     tests: tuple[tuple[TestPoint, ...], ...] = field(repr=False)  #: Points of each test.
-    is_row: bool = False  #: True if each case of the sweep has its own load and velocity.
+    is_row: bool  #: True if each case of the sweep has its own load and velocity.
     #: Variants of its scene, each with its point.
-    variants: tuple[tuple[Variant, TestPoint], ...] = field(default=(), repr=False)
-    own_load: float | None = None  #: Load of a row at load factor 1 [N]; None without factors.
-    load_factors: tuple[float, ...] = ()  #: Ascending; empty without factors.
-    is_changed: bool = False  #: True if rises are not those of the store, but a user's.
+    variants: tuple[tuple[Variant, TestPoint], ...] = field(repr=False)
+    own_load: float | None  #: Load of a row at load factor 1 [N]; None without factors.
+    load_factors: tuple[float, ...]  #: Ascending; empty without factors.
+    is_changed: bool  #: True if rises are not those of the store, but a user's.
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     @property

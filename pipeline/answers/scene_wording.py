@@ -35,7 +35,7 @@ def heating_words(conditions: Conditions) -> str:
     return f"friction {conditions.friction:g}, {bulk}, rise {added}"
 
 
-def verdict_conditions(conditions: Conditions, from_tests: bool = False) -> str:
+def verdict_conditions(conditions: Conditions, from_tests: bool) -> str:
     """Friction, bulk and critical temperature of a verdict, as text.
 
     Other conditions follow if they do not have their defaults, and corrections if there are any.

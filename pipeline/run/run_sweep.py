@@ -47,7 +47,7 @@ class RunSummary:
     failed: tuple[FailedPoint, ...]  #: Points that failed, now or in an earlier run.
     wall_time: float  #: Duration of this run [s].
     cpu_time: float  #: Processor time of this process and of the workers [s].
-    tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
+    tests: Summary | None  #: Progress of the points of tests; None if there are none.
 
 
 @np.errstate(under="ignore")

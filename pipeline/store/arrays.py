@@ -84,7 +84,7 @@ class FolderStore(LocalStore):
 
 
 def array_document(
-    variable: Variable, sizes: Mapping[str, int], block: Mapping[str, int], growths: int = 0
+    variable: Variable, sizes: Mapping[str, int], block: Mapping[str, int], growths: int
 ) -> Document:
     """Zarr metadata of a variable, as Zarr writes them.
 

@@ -47,9 +47,9 @@ class Summary:
     done: int
     pending: int
     failed: tuple[FailedPoint, ...]  #: Points that could not be computed.
-    warned: int = 0  #: Number of done points with a warning.
-    running: str | None = None  #: Process that computes points now; None if there is none.
-    tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
+    warned: int  #: Number of done points with a warning.
+    running: str | None  #: Process that computes points now; None if there is none.
+    tests: Summary | None  #: Progress of the points of tests; None if there are none.
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class Verification:
     done: int  #: Points that are done and intact.
     damaged: tuple[FailedPoint, ...]  #: Points that are damaged.
     shared: tuple[str, ...]  #: Damaged coordinates and files, which several points share.
-    tests: Verification | None = None  #: Result for the points of tests, if there are any.
+    tests: Verification | None  #: Result for the points of tests, if there are any.
 
     @property
     def is_clean(self) -> bool:

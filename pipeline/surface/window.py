@@ -33,7 +33,7 @@ def window_heights(
     table: Mapping[str, Any],
     pixels: tuple[int, int],
     sides: tuple[float, float],
-    areas: Sequence[int] = (0,),
+    areas: Sequence[int],
 ) -> tuple[Array, list[str]]:
     """Heights [m] of the first of some `areas` of a scan, and notes on how they were changed.
 

@@ -224,7 +224,7 @@ def surface_table(seeds: Sequence[int]) -> CaseTable:
 
 
 def numbered_cases(
-    columns: Iterable[Column], rows: Iterable[CaseRow], load_factors: Sequence[float] = ()
+    columns: Iterable[Column], rows: Iterable[CaseRow], load_factors: Sequence[float]
 ) -> CaseTable:
     """Table of cases numbered from 0, with `columns`, each at some shares of its load."""
     number = Column(CASE, meaning=ROWS[CASE])

@@ -69,10 +69,10 @@ class PointResult:
     wall_time: float  #: Duration of the computation, which may have begun on a cached ramp [s].
     #: Integral of the inlet [1/m] and mean pressure [Pa], by which an oil's film is judged; NaN if
     #: not computed, and under a ball.
-    film: Mapping[str, Any] = field(default_factory=lambda: _NO_FILM)
+    film: Mapping[str, Any]
     #: Quantiles of the rise at the hottest end of the pin over those of the whole pin; NaN if the
     #: pin is not computed with its ends.
-    end_rise_ratio: Array = field(default_factory=lambda: _NO_QUANTILES)
+    end_rise_ratio: Array
 
     @property
     def fields(self) -> dict[str, Array]:

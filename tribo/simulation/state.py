@@ -53,8 +53,8 @@ class Heat:
     max_rise: float
     mean_rise: float
     pin_heat_share: float
-    iterations: int = 0
-    quantile_without: Array | None = None
+    iterations: int
+    quantile_without: Array | None
     jackknife: JackknifeQuality = field(default_factory=JackknifeQuality)
 
     @property
