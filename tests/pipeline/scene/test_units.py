@@ -5,9 +5,11 @@ import re
 import pytest
 
 from pipeline import to_si
-from pipeline.quantities import SIZES, UNITS, display
+from pipeline.kinds import Quantity
+from pipeline.quantities import DIMENSIONS, SIZES, UNITS, display
 from pipeline.scene.library import library
 from pipeline.units import share_of
+from tests.helpers.kept import assert_as_kept, refusal
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.conftest import TEXT as WITH_OIL
 
@@ -112,3 +114,14 @@ def test_every_unit_in_which_values_are_shown_has_a_size():
     assert [(name, unit) for name, unit in UNITS.items() if unit and unit not in SIZES] == []
     assert display(418.15, "°C") == "145 °C"
     assert display(6.6e9, "GPa") == "6.6 GPa"
+
+
+def test_refusals_of_each_dimension_are_kept():
+    texts = {}
+    for dimension in DIMENSIONS.values():
+        for limit, factor in zip(dimension.limits, (0.5, 2.0), strict=True):
+            number, unit = limit.split(" ", 1)
+            for text in (f"{factor * float(number):g} {unit}", "1 mol"):
+                message = refusal(Quantity(limit).argument, "value", text)
+                texts[f"{dimension.name}: {text}"] = message
+    assert_as_kept("limits_of_dimensions", texts)
