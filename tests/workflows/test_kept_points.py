@@ -33,6 +33,7 @@ VARIED = {
     "free ends": {"pin.length": "0.3 mm", "pin.ends": "free"},
 }
 """Entries of the scene first_try that differ."""
+GROOVES = {"disk.roughness.correlation_length": ["6 um", "60 um"]}
 
 
 def numbers(name, overrides):
@@ -61,3 +62,8 @@ def test_points_of_shipped_scenes_are_kept(name):
 @pytest.mark.parametrize("name", VARIED)
 def test_points_of_varied_scenes_are_kept(name):
     assert_as_kept(f"points/{name}", {name: numbers("first_try", COARSE | VARIED[name])})
+
+
+def test_points_of_a_ball_on_grooves_are_kept():
+    texts = {"ball_on_disk": numbers("ball_on_disk", COARSER | GROOVES)}
+    assert_as_kept("points/ball on grooves", texts)
