@@ -177,7 +177,7 @@ def apply_difference(base: Any, difference: Any) -> Any:
 
 
 @functools.cache
-def _stored_fields(cls: Any, only_identity: bool) -> tuple[str, ...]:
+def _stored_fields(cls: Any, only_identity: bool = False) -> tuple[str, ...]:
     """Names of the stored fields of a class; empty if it has no fields."""
     if is_dataclass(cls):
         stored = [field for field in fields(cls) if field.metadata.get("stored", field.init)]
