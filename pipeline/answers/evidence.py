@@ -233,7 +233,7 @@ class Evidence:
         ]
 
 
-def outcome_of(rows: list[EvaluatedTest], added_scatter: float) -> Outcome:
+def outcome_of(rows: list[EvaluatedTest], added_scatter: float = 0.0) -> Outcome:
     """Result of one specimen as an interval, from its highest mild y to its lowest severe y."""
     severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.inf)
     mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=-math.inf)
