@@ -31,7 +31,7 @@ scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pi
 	        -o workflows/$$scene.png || exit 1; done
 	$(BIN)/irg trade first_try -j 1 --store results/trade.zarr -o workflows/trade.png
 
-reference: .venv/test ## write the references of scene file, dataset, commands and Python, and all texts, again
+reference: .venv/test ## write the references of scene file, dataset, commands and Python, and all that is kept, again
 	$(BIN)/python -m tests.sources.reference
 	IRG_WRITE_KEPT=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q tests -k are_kept
 

@@ -21,9 +21,9 @@ _CHANGING = re.compile(
     r"|process \d+|\d+\.\d+\.\d+"  # and versions
 )
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-_SHOWN = 12
-_TOLERANCE = 1e-4
-"""Largest relative difference of computed numbers between libraries and machines."""
+_SHOWN = 12  # most values of an array
+_TOLERANCE = 1e-4  # largest relative difference of numbers between libraries and machines
+_LEAST_DIGITS = 3  # of a number that may differ by its last decimal
 _LAYOUT = re.compile(r"\n? {2,}")
 
 
@@ -63,7 +63,8 @@ def assert_as_kept(name: str, texts: dict[str, str]) -> None:
     """Compare texts with those of a file, in which each stands below its title, or write them.
 
     Digests, versions and numbers of processes count as equal, any spaces and line breaks before
-    them, and numbers of as many decimals that differ by a last decimal or by `_TOLERANCE`.
+    them, and numbers of as many decimals that differ by at most `_TOLERANCE`, or, if they have
+    at least `_LEAST_DIGITS`, by their last decimal.
     """
     plain = {title: _LAYOUT.sub(" ", _CHANGING.sub("#", text)) for title, text in texts.items()}
     written = "".join(f"== {title}\n{text.strip()}\n" for title, text in plain.items())
@@ -78,9 +79,11 @@ def assert_as_kept(name: str, texts: dict[str, str]) -> None:
 
 def _kept_if_close(number: str, kept: str) -> str:
     """The kept number where another one is close to it, else the other one."""
-    _, _, decimals = number.partition(".")
-    if not kept or len(decimals) != len(kept.partition(".")[2]):
+    decimals, kept_decimals = (text.partition(".")[2] for text in (number, kept))
+    if not kept or len(decimals) != len(kept_decimals):
         return number
-    last = 1.01 * 10.0 ** -len(decimals) if decimals.isdigit() else 0.0
+    # A last decimal is a small part of a number only if this has enough digits.
+    has_digits = len(number.replace(".", "").lstrip("0")) >= _LEAST_DIGITS
+    last = 1.01 * 10.0 ** -len(decimals) if decimals.isdigit() and has_digits else 0.0
     is_close = math.isclose(float(number), float(kept), rel_tol=_TOLERANCE, abs_tol=last)
     return kept if is_close else number
