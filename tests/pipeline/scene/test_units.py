@@ -119,9 +119,8 @@ def test_every_unit_in_which_values_are_shown_has_a_size():
 def test_refusals_of_each_dimension_are_kept():
     texts = {}
     for dimension in DIMENSIONS.values():
-        for limit, factor in zip(dimension.limits, (0.5, 2.0), strict=True):
-            number, unit = limit.split(" ", 1)
-            for text in (f"{factor * float(number):g} {unit}", "1 mol"):
-                message = refusal(Quantity(limit).argument, "value", text)
-                texts[f"{dimension.name}: {text}"] = message
+        low, high = (float(limit.split()[0]) for limit in dimension.limits)
+        kind = Quantity(dimension.limits[0])
+        for text in (f"{low / 2:g} {kind.unit}", f"{2 * high:g} {kind.unit}", "1 mol"):
+            texts[f"{dimension.name}: {text}"] = refusal(kind.argument, "value", text)
     assert_as_kept("limits_of_dimensions", texts)
