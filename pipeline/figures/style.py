@@ -90,8 +90,8 @@ def width_or(usual_width: float) -> float:
 class Picture(Figure):
     """A Matplotlib figure that notebooks show with any backend; `fitted` sets its width."""
 
-    def __init__(self, figsize: tuple[float, float] | None) -> None:
-        width, height = figsize or rcParams["figure.figsize"]
+    def __init__(self, figsize: tuple[float, float]) -> None:
+        width, height = figsize
         fitted_width = width_or(width)
         super().__init__(figsize=(fitted_width, height * (fitted_width / width) ** 0.5))
 
@@ -110,7 +110,7 @@ class Picture(Figure):
         return buffer.getvalue()
 
 
-def canvas(size: tuple[float, float] | None) -> tuple[Figure, Axes]:
+def canvas(size: tuple[float, float]) -> tuple[Figure, Axes]:
     """New figure of a `size` [in], with a single set of axes."""
     figure = Picture(size)
     return figure, figure.add_subplot()
