@@ -218,8 +218,9 @@ def _surface_words(surface: SurfaceSummary) -> str:
         return f"random: {heights}"
     if radii := form_words(surface.radii):
         heights = f"{heights}; Ra and Rq exclude the curvature, R {radii}"
-    seen = 1e-5 * max(surface.ra, 1e-9)  # [m] below it there are rounding errors
-    plane = (seen * round(height / seen) for height in (surface.mean_height, *surface.rise))
+    # To 1e-5 of Ra, and of 1 nm on a smooth surface; below it there are rounding errors.
+    digit = 1e-5 * max(surface.ra, 1e-9)  # [m]
+    plane = (digit * round(height / digit) for height in (surface.mean_height, *surface.rise))
     mean, x, y = (in_unit(height, "µm") for height in plane)
     return (
         f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
