@@ -67,6 +67,7 @@ REFUSED = [
     "load [N],speed [m/s]\n300,1.5\n",
     "load [N],velocty [m/s]\n300,1.5\n",
     f"{HEADS},surface speed [m/s]\n300,1.5,3\n",
+    "load (rig 3),velocity [m/s]\n300,1.5\n",
     f'{HEADS}\n"1,200",1.5\n',
     "PK\x03\x04\x00\x00xl/workbook.xml",
     HEADS,
