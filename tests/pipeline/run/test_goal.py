@@ -65,15 +65,12 @@ def test_the_stated_error_is_below_the_goal_with_the_ends_of_few_points(small):
 
 
 def test_further_realizations_have_one_point_a_load_and_no_fields(small):
-    mask, ds = done(small), pipeline.open_sweep(small)
+    mask = done(small)
     fields = xr.open_zarr(small, group="fields", chunks=None)
     assert (mask[1:].sum(axis=-1) <= 1).all()
     assert mask[0].any(axis=-1).all()
     assert np.array_equal(np.isfinite(fields["pressure"].values).any(axis=(2, 3)), mask[0])
     assert pipeline.verify_store(small).is_clean
-    moved = ds.assign_coords(load=1.01 * ds["load"])
-    with pytest.raises(InputError, match="values that xarray moved or computed from other points"):
-        pipeline.boundary(moved)
 
 
 class KilledError(Exception):

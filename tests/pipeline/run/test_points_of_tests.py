@@ -198,7 +198,6 @@ def test_a_failed_test_tells_its_reason_and_is_tried_again_when_asked_to(tmp_pat
 
 def test_damage_of_a_test_is_named_apart_and_mended(tested_store, tmp_path, irg):
     path = shutil.copytree(tested_store[1], tmp_path / "lab.zarr")
-    assert "tests: 4 done and undamaged, 0 damaged" in irg("verify", path)
     (chunk,) = (path / "tests" / "max_rise").glob("c.*")
     content = bytearray(chunk.read_bytes())
     content[len(content) // 2] ^= 1
@@ -211,14 +210,11 @@ def test_damage_of_a_test_is_named_apart_and_mended(tested_store, tmp_path, irg)
     assert answered(path) == answered(tested_store[1])
 
 
-def test_commands_count_the_tests_apart(tested_store, tmp_path, irg):
-    sweep, path = tested_store
+def test_a_document_counts_the_tests_apart(tested_store, tmp_path, irg):
     load(tmp_path, STEP, WORN, HOLD)
-    assert pipeline.estimate(sweep, workers=1).tests == 4
-    copy = shutil.copytree(path, tmp_path / "lab.zarr")
-    command = "run", tmp_path / "lab.toml", "-o", copy
-    assert "tests: 4 of 4 points done" in irg(*command)
-    assert irg(*command, "--json")["tests"] == {"points": 4, "done": 4, "failed": 0}
+    copy = shutil.copytree(tested_store[1], tmp_path / "lab.zarr")
+    document = irg("run", tmp_path / "lab.toml", "-o", copy, "--json")
+    assert document["tests"] == {"points": 4, "done": 4, "failed": 0}
 
 
 def test_points_of_tests_are_taken_from_another_store(tested_store, tmp_path):

@@ -38,10 +38,3 @@ def test_only_a_window_that_repeats_leaves_the_ends_out(irg, tmp_path):
         outputs[name] = row["not_included"].split(", ")
     assert "pin ends" in outputs["repeating"]
     assert outputs["free"] == [part for part in outputs["repeating"] if part != "pin ends"]
-
-
-def test_a_check_says_what_is_computed_of_the_ends(irg):
-    free = irg("check", "whole_pin")
-    assert "pin.ends: free: 3584 pixels of 0.9487 µm along y, as long as the pin" in free
-    assert "288 × 1792 elements" in free
-    assert "not modelled" not in free
