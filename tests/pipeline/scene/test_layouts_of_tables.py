@@ -9,7 +9,6 @@ import pipeline
 from pipeline.answers.answer_frames import complete_frame
 from pipeline.condition_kinds import OperatingPoints
 from tests.helpers.kept import assert_as_kept, refusal, relative
-from tribo import InputError
 
 LOADS, VELOCITIES = [300.0, 1500.5], [1.25, 2.5]
 HEADS = {
@@ -39,35 +38,6 @@ def test_points_are_read_whatever_the_layout(heads, layout, encoding, tmp_path):
     assert points.columns["load"] == pytest.approx(LOADS)
     assert points.columns["velocity"] == pytest.approx(VELOCITIES)
     assert [*points.labels] == ["remark (short)"]
-
-
-@pytest.mark.parametrize(
-    ("head", "cell", "words"),
-    [
-        ("Date", "2026-10-01", r'the column "Date" has dates .*; ignore it: ignore = \["Date"\]'),
-        ("Day", "1.10.2026", "has dates"),
-        ("Speed", "3", '"Speed" has numbers'),
-        ("Load (mean)", "3", r'"Load \(mean\)" has numbers'),
-    ],
-)
-def test_columns_of_dates_and_unknown_numbers_are_named(head, cell, words):
-    with pytest.raises(InputError, match=words):
-        OperatingPoints.read({"load [N]": [300], "velocity [m/s]": [1], head: [cell]})
-
-
-def test_many_faults_of_one_kind_are_one_line():
-    loads = ["1,200"] * 12 + ["-3"]
-    with pytest.raises(InputError) as caught:
-        OperatingPoints.read({"load [N]": loads, "velocity [m/s]": [1.0] * 13})
-    assert "rows 1, 2, 3 and 9 more, load [N]: 1,200 has a comma" in str(caught.value)
-    assert "row 13, load [N]" in str(caught.value)
-
-
-@pytest.mark.parametrize(("word", "outcome"), [("OK", "mild"), ("scuffed", "severe")])
-def test_words_of_laboratories_are_refused_with_the_outcome_to_write(word, outcome):
-    test = {"load": "400 N", "velocity": "1 m/s", "outcome": word}
-    with pytest.raises(pipeline.SceneFileError, match=rf"not a valid choice \(write {outcome}\)"):
-        pipeline.load_scene("first_try", overrides={"tests": [test]})
 
 
 def test_an_answer_of_the_program_is_read_as_points(tiny_store, tmp_path):

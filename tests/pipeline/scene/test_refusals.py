@@ -169,6 +169,8 @@ ENTRIES = {
         "velocity": "1 m/s", "outcome": "mild", "severe_at": "4 N"}]),
     "load of stages": entry("tests", [{"velocity": "1 m/s", "load": "4 N", "severe_at": "4 N"}]),
     "stages of velocity": entry("tests", [{"velocity": "1 m/s", "severe_at": "4 m/s"}]),
+    "outcome OK": entry("tests", [TEST | {"outcome": "OK"}]),
+    "outcome scuffed": entry("tests", [TEST | {"outcome": "scuffed"}]),
     "test without load": entry("tests", [{"velocity": "1 m/s", "outcome": "mild"}]),
     "stages of a transition": entry("tests", [{
         **TEST, "outcome": "transition", "stages": [["400 N", "1 s"]]}]),
@@ -219,7 +221,8 @@ ENTRIES = {
     "points": entry("sweep.loads", {"from": "1 N", "to": "7 N", "count": 5000},
                      **{"sweep.velocities": {"from": "1 m/s", "to": "7 m/s", "count": 5000}}),
     "long list": entry("sweep.velocities", [f"{k + 1} m/s" for k in range(5001)]),
-    "scan": lambda: measured((48, 20)),
+    "scan": lambda: measured((48, 20), **{"window.pixels": [48, 20]}),
+    "scan without a unit": lambda: measured((480, 480), without="disk.roughness.height_unit"),
     # laws in Python
     "track": entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}),
     # uncertain inputs
@@ -270,6 +273,7 @@ ENTRIES = {
     "heat counts twice": entry("disk.track_length", "314 mm",
                                 **{"temperature.includes_earlier_revolutions": True}),
     "row column": along("load [N],pin.radius [mm]\n300,3\n"),
+    "row angle": along("angle [deg],load [N],velocity [m/s]\n30,300,1\n"),
     "row name": along("number,load [N],velocity [m/s]\n\x1b[31mA,300,3\n"),
     "load factors of a plane": entry("sweep.load_factors", [0.5, 1]),
     "load factors without 1": along(ROW, **{"sweep.load_factors": [0.5, 2]}),

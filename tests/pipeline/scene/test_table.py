@@ -68,6 +68,8 @@ REFUSED = [
     "load [N],velocty [m/s]\n300,1.5\n",
     f"{HEADS},surface speed [m/s]\n300,1.5,3\n",
     "load (rig 3),velocity [m/s]\n300,1.5\n",
+    f"{HEADS},Date\n300,1.5,2026-10-01\n",
+    f"{HEADS},Day\n300,1.5,1.10.2026\n",
     f'{HEADS}\n"1,200",1.5\n',
     "PK\x03\x04\x00\x00xl/workbook.xml",
     HEADS,
@@ -85,6 +87,7 @@ OBJECTS = {
     "a heading twice": LOADS | VELOCITIES | {"load [kN]": [0.3, 0.4]},
     "no value": LOADS | {"velocity [m/s]": [1.5, None]},
     "an array in a cell": LOADS | {"velocity [m/s]": [[1.5], 2.5]},
+    "many faults": {"load [N]": ["1,200"] * 12 + ["-3"], "velocity [m/s]": [1.0] * 13},
 }
 
 

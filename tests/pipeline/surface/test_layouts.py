@@ -91,14 +91,3 @@ def test_heights_that_rise_as_evenly_as_an_axis_but_for_0_6_of_a_digit_are_heigh
     (tmp_path / "a.txt").write_text(text_of(rows_of(heights), "\t"))
     read, _ = read_scan(tmp_path / "a.txt", 1e-6)
     assert read.shape == heights.shape
-
-
-def test_a_text_says_where_it_stops_being_a_matrix(tmp_path):
-    rows = rows_of(HEIGHTS)
-    (tmp_path / "a.txt").write_text("# head\n" + text_of([*rows[:9], ["end"]], " "))
-    with pytest.raises(InputError, match="line 11 is the first that differs"):
-        read_scan(tmp_path / "a.txt", 1e-6)
-    rows[4][2] = "bad"
-    (tmp_path / "a.txt").write_text("# head\n" + text_of(rows, " "))
-    with pytest.raises(InputError, match='line 6 has "bad"'):
-        read_scan(tmp_path / "a.txt", 1e-6)
