@@ -165,11 +165,8 @@ def test_what_a_process_of_another_host_left_is_not_taken_until_somebody_deletes
     lock_of(begun).write_text("process 7 on node7\n")
     os.utime(lock_of(begun), (0, 0))
     before = contents(begun)
-    with pytest.raises(StoreError) as refused:
+    with pytest.raises(StoreError):
         pipeline.run_sweep(SWEEP, begun, workers=1)
-    assert str(refused.value) == (
-        f"{begun} is in use by process 7 on node7; if that has ended, delete {lock_of(begun)}"
-    )
     assert lock_of(begun).read_text() == "process 7 on node7\n"
     assert contents(begun) == before
     assert "running: process 7 on node7" in irg("status", begun)

@@ -150,15 +150,11 @@ ROWS = [  # kind, scene, function of the scene that makes a state, words of the 
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("kind", "scene", "build_state", "words"), ROWS)
-def test_a_point_warns_where_it_should_and_nowhere_else(kind, scene, build_state, words):
-    assert_told(words, scene, build_state(scene), kind)
-
-
-def test_warnings_read_as_they_are_kept():
+def test_a_point_warns_where_it_should_and_nowhere_else_in_words_that_are_kept():
     texts = {}
-    for number, (kind, scene, build_state, _) in enumerate(ROWS):
-        lines = [warning.text for warning in warnings(scene, build_state(scene))]
+    for number, (kind, scene, build_state, words) in enumerate(ROWS):
+        assert_told(words, scene, state := build_state(scene), kind)
+        lines = [warning.text for warning in warnings(scene, state)]
         texts[f"{number} {kind.label}"] = "\n".join(lines)
     assert_as_kept("point_warnings", texts)
 
