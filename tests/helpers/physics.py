@@ -31,13 +31,8 @@ def assert_sound(scene, before, state, normal_load):
     assert abs(carried - state.normal_load) <= 1e-9 * state.normal_load
     assert state.normal_load <= normal_load * (1 + 1e-12)
     if state.normal_load:
-        assert_complementary(scene, before, state)
-
-
-def assert_complementary(scene, before, state):
-    """Assert the contact conditions on gap and pressure, from worn shape and elastic map."""
-    positions = separations(scene, before, state)
-    assert any(is_complementary(scene, before, state, separation) for separation in positions)
+        positions = separations(scene, before, state)
+        assert any(is_complementary(scene, before, state, separation) for separation in positions)
 
 
 def separations(scene, before, state):

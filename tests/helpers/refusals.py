@@ -49,19 +49,11 @@ class Refusals:
     def outcome(self, name: str) -> Outcome:
         """Outcome of a table entry; it runs in a folder with links to the stores."""
         if name not in self.outcomes:
-            self.outcomes[name] = self._run(self.table[name], self._folder_with_links())
+            folder = Path(tempfile.mkdtemp(dir=self.folder))
+            for link, store in self.stores.items():
+                (folder / link).symlink_to(store)
+            self.outcomes[name] = self._run(self.table[name], folder)
         return self.outcomes[name]
-
-    def _folder_with_links(self) -> Path:
-        folder = Path(tempfile.mkdtemp(dir=self.folder))
-        for link, store in self.stores.items():
-            (folder / link).symlink_to(store)
-        return folder
-
-    def check(self, name: str) -> None:
-        """Assert that an entry is refused in one line."""
-        message = self.outcome(name).message
-        assert len(message.strip().splitlines()) == 1, message
 
     def check_wording(self) -> None:
         """Assert that all refusals read as they are kept, in each letter."""
@@ -170,7 +162,8 @@ def refusal_tests(
 
     @pytest.mark.parametrize("name", table)
     def test_each_is_one_line(refusals: Refusals, name: str) -> None:
-        refusals.check(name)
+        message = refusals.outcome(name).message
+        assert len(message.strip().splitlines()) == 1, message
 
     def test_all_read_as_they_are_kept(refusals: Refusals) -> None:
         refusals.check_wording()

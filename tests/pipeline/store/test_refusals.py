@@ -155,6 +155,7 @@ REFUSALS = {
     "kind": changed(forged(lambda sweep, _: sweep["case_table"].update(columns=["a"]))),
     "many inputs": changed(forged(lambda _, facts: facts.update(inputs={"a": 10**9}))),
     "why": changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
+    "later": changed(forged(lambda sweep, _: sweep["base"]["scene"]["wear"].update(later=8))),
     "lost": changed(lose_facts),
     "group": lambda: verify_store("tiny.zarr/fields/rise"),
     "inner store": lambda: commit("tiny.zarr/new.zarr", SWEEP, ()),
