@@ -2,7 +2,6 @@
 
 import re
 
-import numpy as np
 import pytest
 
 import pipeline
@@ -13,52 +12,8 @@ from pipeline.cli.parser import whole_parser
 from pipeline.figures import plot as live
 from pipeline.figures.rows_figure import draw_rows, most_critical_row
 from pipeline.figures.style import GREY
-from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
-
-
-@pytest.fixture(scope="module")
-def sweep():
-    status = {(300.0, 1.5): FAILED, (750.0, 4.0): PENDING, (700.0, 4.0): PENDING}
-    return synthetic.sweep(status=status)
-
-
-@pytest.fixture(scope="module")
-def drawn(sweep):
-    with np.errstate(all="raise", under="ignore"):
-        return pipeline.plot(sweep).axes[0]
-
-
-def lines(axes):
-    parts = {}
-    for line in axes.lines:
-        parts.setdefault(line.get_gid(), []).append(np.column_stack(line.get_data()))
-    return {gid: np.concatenate(vertices) for gid, vertices in parts.items()}
-
-
-def labels(legend):
-    return [text.get_text() for text in legend.get_texts()]
-
-
-def test_diagram_says_its_conditions(drawn):
-    (legend,) = drawn.figure.legends
-    lines = " ".join(legend.get_title().get_text().split())
-    assert re.match(
-        "conditions: friction 0.1, bulk temperature 25 °C, critical temperature 145 °C "
-        r"numerical error \(95 %\): ± .* % of the critical velocity "
-        r"model error: .* % of the temperature rise \(90 % range, from 4 tests and the prior\) "
-        "dots: simulated points; ×: 3 points are pending or failed",
-        lines,
-    )
-    assert labels(legend) == [
-        "undecided: neither mild nor severe wear is sure",
-        "boundary with tests (50 %)",
-        "computed boundary, numerical error",
-        "computed at friction 0.09 and 0.103",
-        "test: transition",
-        "the same test at friction 0.1",
-    ]
 
 
 def test_the_command_and_the_docstring_offer_every_kind():

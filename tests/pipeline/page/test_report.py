@@ -165,29 +165,15 @@ ONE_ROW = {
     "velocity [m/s]": [2.0],
 }  # fmt: skip
 REPORTS = {
-    "boundary": (
-        plane, {},
-        ("Boundary between mild and severe wear", "Velocities up to which the verdict is mild"),
-    ),
-    "point": (plane, {"load": 400.0, "velocity": 1.0}, ("Mild wear at 400 N and 1 m/s",)),
-    "half done": (
-        half_done, {},
-        ("unknown", "×: 10 points that are pending or failed"),
-    ),
-    "two pins": (
-        two_pins, {"load": 300.0, "velocity": 4.0},
-        ("most critical operating point: pin radius 1", "Velocities up to which the verdict is"),
-    ),
-    "a rolling pin": (
-        lambda: plane(motion=tribo.Motion(slide_roll_ratio=0.5)), {},
-        ("heat from earlier revolutions",),
-    ),
-    "one load": (
-        lambda: plane(loads=(300.0,)), {"load": 300.0, "velocity": 1.5}, ("Mild wear at 300 N",),
-    ),
-    "custom settings": (lambda: plane(preset=None), {}, ("Custom numerical settings: the error",)),
-    "a row": (plane, {"points": ONE_ROW}, ("critical operating point: wear specific",)),
-}  # fmt: skip
+    "boundary": (plane, {}),
+    "point": (plane, {"load": 400.0, "velocity": 1.0}),
+    "half done": (half_done, {}),
+    "two pins": (two_pins, {"load": 300.0, "velocity": 4.0}),
+    "a rolling pin": (lambda: plane(motion=tribo.Motion(slide_roll_ratio=0.5)), {}),
+    "one load": (lambda: plane(loads=(300.0,)), {"load": 300.0, "velocity": 1.5}),
+    "custom settings": (lambda: plane(preset=None), {}),
+    "a row": (plane, {"points": ONE_ROW}),
+}
 
 
 @pytest.fixture(scope="module")
@@ -195,17 +181,12 @@ def reports():
     """Texts of the pages of `REPORTS`, without pictures."""
     with pytest.MonkeyPatch.context() as patch:
         leave_out_pictures(patch)
-        return {
-            name: pipeline.report(make(), **where) for name, (make, where, _) in REPORTS.items()
-        }
+        return {name: pipeline.report(make(), **where) for name, (make, where) in REPORTS.items()}
 
 
 @pytest.mark.parametrize("name", REPORTS)
-def test_a_report_of_any_sweep_is_sound_and_says_what_matters(reports, name):
-    page = checked(reports[name])
-    captions = [image["alt"] for image in page.attributes_of("img")]
-    for statement in REPORTS[name][2]:
-        assert statement in page.words or statement in captions[0]
+def test_a_report_of_any_sweep_is_sound(reports, name):
+    captions = [image["alt"] for image in checked(reports[name]).attributes_of("img")]
     # The points of several cases would cover each other, and one load has no diagram.
     has_dots = name not in ("two pins", "one load")
     assert any("Dots: simulated points." in text for text in captions) == has_dots
