@@ -6,16 +6,22 @@ from functools import partial
 
 import pipeline
 import tribo
+from pipeline.answers.answer_frames import boundary_frame, margin_frame
+from pipeline.answers.facts import NOTES, fact_lines, facts, point_lines
 from pipeline.cli import main
 from pipeline.figures.rows_figure import draw_rows
 from pipeline.figures.style import texts_of
-from pipeline.store.schema import FAILED, PENDING
+from pipeline.frames import lines_of
+from pipeline.store.schema import DONE, FAILED, PENDING
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
 from tests.helpers.kept import assert_as_kept, relative, variables
 from tests.helpers.scenes import SCENE
+from tests.pipeline.answers.test_load_factors import rows_of
 from tests.pipeline.figures.test_planes import NOT_DONE, TESTED, surfaces, two_pins
 from tests.pipeline.figures.test_planes import sweep as plane
 from tests.pipeline.figures.test_plot import POINTS
+from tests.pipeline.test_film import filmed
 
 UNCERTAIN_AND_TESTED = """
 [uncertainty]
@@ -158,3 +164,57 @@ def test_variables_of_answers_read_as_they_are_kept():
     }
     texts = {name: variables(answer) for name, answer in answers.items()}
     assert_as_kept("variables_of_answers", texts)
+
+
+AT_400 = [bare_test(400.0, 2.0, outcome=outcome) for outcome in ("mild", "severe", "transition")]
+FROM_TESTS = {
+    "conditions": synthetic.CONDITIONS | {"critical_temperature": None},
+    "critical_from_tests": True,
+}
+ROLLED = {"motion": tribo.Motion(slide_roll_ratio=0.5, pin_track_length=0.3, disk_track_length=0.4)}
+SMALL = {"loads": (200.0, 400.0, 600.0), "velocities": (1.0, 2.0, 4.0)}
+STAGES = {"loading": tribo.Stages(SMALL["loads"], (5.0,) * 3, 150.0)}
+
+
+def waiting():
+    return synthetic.with_tests(plane(tests=AT_400, **SMALL), status=(DONE, PENDING, FAILED))
+
+
+ANSWERS = {
+    "a film at the boundary": lambda: pipeline.boundary(filmed(**SMALL)),
+    "a film at a point": lambda: pipeline.margin(filmed(**SMALL), 400.0, 2.1),
+    "no boundary": lambda: pipeline.boundary(plane(**SMALL), critical_temperature=900.0),
+    "tests that wait": lambda: pipeline.margin(waiting(), 300.0, 1.5),
+    "only mild tests": lambda: pipeline.margin(
+        plane(tests=AT_400[:1], **FROM_TESTS, **SMALL), 200.0, 1.0
+    ),
+    "a test too hot": lambda: pipeline.margin(
+        plane(tests=[bare_test(400.0, 2.0, bulk_temperature=430.0)], **SMALL), 200.0, 1.0
+    ),
+    "heat of earlier revolutions": lambda: pipeline.boundary(two_pins(**ROLLED, **SMALL)),
+    "such heat everywhere": lambda: pipeline.margin(
+        plane(**ROLLED, **SMALL), 600.0, 1.0, critical_temperature=330.0
+    ),
+    "such heat in rows": lambda: pipeline.margin(rows_of(((180.0, 2.5),), tests=(), **ROLLED)),
+    "a load beyond stages, at an unusual friction": lambda: pipeline.margin(
+        plane(**SMALL, **STAGES), [300.0, 900.0], [1.0, 1.0], friction=2.0
+    ),
+    "other conditions": lambda: pipeline.margin(
+        plane(preset="standard", **SMALL), 300.0, 1.2, critical_area_fraction=0.02
+    ),
+}
+
+
+def said(answer):
+    """Sentences on a point; else the table of an answer and its facts."""
+    if not answer.sizes:
+        return "\n".join([*point_lines(answer), *fact_lines(answer, *NOTES)])
+    frames = [margin_frame(answer)] if "verdict" in answer else map(
+        partial(boundary_frame, answer), ("load", "velocity")
+    )  # fmt: skip
+    lines = [line for frame in frames for line in lines_of(frame)]
+    return "\n".join([*lines, *map(str, facts(answer))])
+
+
+def test_answers_read_as_they_are_kept():
+    assert_as_kept("answers", {name: said(make()) for name, make in ANSWERS.items()})

@@ -47,6 +47,7 @@ class Page(HTMLParser):
 
     def handle_endtag(self, tag):
         assert self.inside.pop() == tag
+        self.words += " |" * (tag in ("td", "th"))
 
     def handle_data(self, data):
         self.words += data * ("style" not in self.inside)
