@@ -127,6 +127,21 @@ def test_the_bounds_between_points_are_these_numbers():
     assert along[:, 0] == pytest.approx(sides / 2, rel=1e-9)
 
 
+@pytest.mark.parametrize(("spread", "least", "most"), [(0.0, 0.0095, 0.01), (0.02, 0.0, 0.001)])
+def test_a_load_off_the_line_of_others_is_an_error_unless_its_realizations_scatter_so(
+    spread, least, most
+):
+    """Eight realizations at five loads; the mean at the middle one is 1 % hotter than the line."""
+    x, velocities = np.linspace(6.0, 6.4, 5), np.exp(np.linspace(0.0, 1.0, 41))
+    lifts = np.random.default_rng(1).normal(0.0, spread, (8, 5))
+    y = 0.6 * x + lifts - lifts.mean(axis=0) + [0.0, 0.0, 0.01, 0.0, 0.0]
+    y = y[..., None] + 0.6 * np.log(velocities)
+    unit = np.ones(y.shape[1:])
+    specimen = merge_realizations(np.exp(x), velocities, y, 0 * unit, 0 * unit.astype(int), unit)
+    between = interpolation_errors(specimen, np.exp(x[1:3] + 0.05), np.exp([0.5, 0.5]))[1]
+    assert ((least <= between) & (between <= most)).all()
+
+
 @pytest.mark.parametrize(("slope", "factor"), [(0.8, 1.0), (0.5, 1.3), (0.25, 2.6), (0.1, 6.5)])
 def test_the_error_by_a_preset_is_its_promise_or_that_of_the_rise_over_a_flatter_exponent(
     slope, factor
