@@ -4,6 +4,8 @@ import re
 import shlex
 from functools import partial
 
+import xarray as xr
+
 import pipeline
 import tribo
 from pipeline.answers.answer_frames import boundary_frame, margin_frame
@@ -149,6 +151,10 @@ def test_figures_read_as_they_are_kept():
     drawn["log diagram"] = pipeline.plot(plane(), log=True, load=300.0, velocity=1.5)
     drawn["tests"] = pipeline.plot(tested, "tests")
     drawn["rows"] = draw_rows(pipeline.margin(plane(), POINTS), "duty")
+    film = pipeline.margin(filmed(**SMALL), [400.0, 400.0], [1.0, 2.1])
+    drawn["rows with a film"] = draw_rows(film, "film")
+    drawn["rows with load factors"] = pipeline.plot(rows_of(((180.0, 2.5), (250.0, 1.5))))
+    drawn["tests that wait"] = pipeline.plot(waiting(), "tests")
     texts = {name: "\n".join(texts_of(figure)) for name, figure in drawn.items()}
     assert_as_kept("figures", texts)
 
@@ -217,4 +223,8 @@ def said(answer):
 
 
 def test_answers_read_as_they_are_kept():
-    assert_as_kept("answers", {name: said(make()) for name, make in ANSWERS.items()})
+    ds = plane(**SMALL)
+    flags = xr.where((ds["load"] == 400) & (ds["velocity"] == 2), 3, 0)
+    warned = pipeline.points_with_warnings(ds.assign(warning_flags=flags)).lines()
+    texts = {name: said(make()) for name, make in ANSWERS.items()}
+    assert_as_kept("answers", texts | {"a point with warnings": "\n".join(warned)})

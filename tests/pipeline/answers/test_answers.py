@@ -15,10 +15,12 @@ from pipeline.answers.error import (
     interpolation_errors,
     rise_errors,
     velocity_errors,
+    warned_errors,
 )
 from pipeline.answers.pchip import Pchip
 from pipeline.answers.posterior import Outcome, Prior, update
 from pipeline.answers.specimen import merge_realizations
+from tribo import WarningKind
 
 LOADS, VELOCITIES = np.array([200.0, 300, 400, 600, 750]), np.array([0.5, 1, 1.5, 2.5, 4, 5])
 
@@ -151,6 +153,12 @@ def test_the_error_by_a_preset_is_its_promise_or_that_of_the_rise_over_a_flatter
     assert parts[PRESET] == pytest.approx([0.65 * 0.015], rel=1e-9)
     preset_error = velocity_errors(specimen.field, parts, *at)[PRESET]
     assert preset_error == pytest.approx([0.015 * factor], rel=1e-6)
+
+
+def test_the_error_by_present_heat_falls_with_the_duration_and_of_two_the_larger_counts():
+    heat, few = int(WarningKind.PRESENT_HEAT), int(WarningKind.FEW_STEPS)  # 10 %
+    flags, times = np.array([heat, heat, heat, heat | few, few, 0]), [1e-4, 1e-2, 1.0, 1.0, 1.0, 0]
+    assert warned_errors(flags, np.array(times)).tolist() == [0.25, 0.11, 0.05, 0.1, 0.1, 0.0]
 
 
 # How further points change the stated errors, on random planes

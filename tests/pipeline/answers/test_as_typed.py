@@ -4,6 +4,7 @@ import pytest
 
 import pipeline
 from pipeline.answers.answer_frames import complete_frame
+from pipeline.answers.scene_wording import warning_lines
 from tests.helpers import synthetic
 
 TABLE = """load [N],velocity [m/s],critical temperature [degC],bulk temperature [degC],friction
@@ -115,3 +116,13 @@ def test_a_column_place_of_a_table_is_printed_with_its_words():
     frame = complete_frame(pipeline.margin(synthetic.sweep(), table))
     assert frame["place"].tolist() == ["nose", "base"]
     assert frame["load [N]"].tolist() == [300, 500]
+    assert {"conditions", "model_error", "not_included", "notes"} < {*frame}
+
+
+def test_of_many_warnings_of_a_scene_an_answer_has_the_first_three_and_counts_the_others():
+    entries = {"friction.coefficient": 1.5, "without": ["friction.band"], "pin.radius": "2 m"}
+    entries |= {"materials.steel.hardness": "50 GPa", "temperature.critical": "900 degC"}
+    sweep = pipeline.load_scene("first_try", overrides=entries)
+    first, count = [f"warning: {w.text}" for w in sweep.all_warnings[:3]], len(sweep.all_warnings)
+    assert warning_lines(sweep) == [*first, f"{count - 3} more warnings: irg check first_try"]
+    assert count > 4

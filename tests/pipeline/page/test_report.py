@@ -215,6 +215,19 @@ def test_a_report_has_a_point_or_a_table_of_points():
             pipeline.report(plane(), **places)
 
 
+def test_a_report_of_rows_under_several_conditions_or_for_several_pins_is_refused():
+    for ds, conditions, text in (
+        (
+            plane(),
+            {"friction": [0.1, 0.2]},
+            r"along one dimension, not along \['friction', 'place'",
+        ),
+        (two_pins(), {}, "the sweep has several cases; select one by pin_radius"),
+    ):
+        with pytest.raises(InputError, match=text):
+            pipeline.report(ds, points=ONE_ROW, **conditions)
+
+
 def test_rows_are_judged_and_the_deciding_one_is_bold(undrawn, sweep):
     points = {"case": ["idle", "full"], "load [N]": [200, 700], "velocity [m/s]": [1, 4]}
     table = pipeline.margin(sweep, points)

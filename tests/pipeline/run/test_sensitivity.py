@@ -12,6 +12,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.headline import to_decide
+from pipeline.answers.input_errors import input_name
 from pipeline.answers.sensitivity_answer import sensitivity_lines
 from pipeline.figures.style import texts_of
 from pipeline.run.boundary_variants import missing_variants
@@ -35,6 +36,10 @@ OPTIONS = [
 CONDUCTIVITY = "materials.steel.thermal_conductivity"
 WEAR = "wear.specific_wear_rate"
 AT = "400 N", "2 m/s"
+NAMED = (
+    "pin.crown_radius", "oil.kinematic_viscosity", "loading.stages", "motion.slide_roll_ratio",
+    "temperature.bulk", "disk.roughness.rsm", "disk.roughness.height_unit", "materials.a.density",
+)  # fmt: skip
 
 
 def load(**uncertainty):
@@ -173,7 +178,10 @@ def test_sensitivities_read_as_they_are_kept(study):
     figure = "\n".join(texts_of(pipeline.plot(study)))
     choices = "\n".join(f"{row.input.item()}: {row.item() or 'none'}" for row in study["choice"])
     texts = {"variables": variables(study), "choices": choices, "film": study.attrs["film"]}
-    assert_as_kept("sensitivities", texts | {"figure": figure})
+    declared = study.assign(uncertainty=0.2 * study["uncertainty"].fillna(1.0))
+    texts |= {"figure": figure, "declared": "\n".join(texts_of(pipeline.plot(declared)))}
+    texts["names"] = "\n".join(f"{path}: {input_name(path)}" for path in NAMED)
+    assert_as_kept("sensitivities", texts)
 
 
 def test_a_film_is_outside_the_model_from_the_stated_viscosity_on(study, tmp_path):
