@@ -144,6 +144,8 @@ def test_each_test_has_the_probability_that_the_tests_without_it_give_its_outcom
     # A transition is as far from the others on either side: the probability has two tails.
     expected = [2 * min(p, 1 - p) for p in severe[:2]] + [1 - severe[2]]
     assert results["loo_probability"].values == pytest.approx(expected, rel=1e-3)
+    levels = [update(others, Prior()).level(share) for share in (0.05, 0.5, 0.95)]
+    assert results.attrs["levels"] == pytest.approx(levels, abs=1e-6)
 
 
 def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():

@@ -9,6 +9,7 @@ from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.entries import two_pins as radii_rows
+from tribo import WarningKind
 
 LOADS, VELOCITIES = (200.0, 300.0, 400.0, 500.0, 600.0), (1.0, 1.5, 2.0, 3.0, 4.0)
 LIMIT = synthetic.limit()
@@ -44,6 +45,15 @@ def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
     expected = synthetic.critical_velocity(line[:, 1], LIMIT)
     np.testing.assert_allclose(line[:, 0], expected, rtol=2e-3)
     assert axes.get_xlim() == (1.0, 4.0)
+
+
+def test_the_band_about_the_boundary_is_as_wide_as_its_numerical_error():
+    ds = sweep()
+    flags = int(WarningKind.FEW_STEPS) + 0 * ds["warning_flags"]  # 10 % of the rise
+    band = vertices(drawn(ds.assign(warning_flags=flags))[0], "error")
+    ends = band[np.isclose(band[:, 1], 400.0), 0]
+    expected = [synthetic.critical_velocity(400.0, LIMIT / share) for share in (1.1, 0.9)]
+    assert (ends.min(), ends.max()) == pytest.approx(expected, rel=0.01)
 
 
 def test_the_frictions_measured_have_a_line_each():
@@ -95,7 +105,9 @@ TESTED = (
 
 
 def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
-    axes = pipeline.plot(sweep(tests=TESTED)).axes[0]
+    axes = pipeline.plot(sweep(tests=(*TESTED, bare_test(140.0, 2.0)))).axes[0]
+    assert marks(axes, "test transition") == {(2.0, 140.0)}  # lighter than the sweep by less than
+    assert axes.get_ylim() == (140.0, 600.0)  # a third, which the axes then contain
     colours = {line.get_gid(): line.get_markerfacecolor() for line in axes.lines}
     assert marks(axes, "test mild") == {(1.5, 250.0)}
     assert marks(axes, "test severe") == {(3.0, 500.0)}
@@ -107,7 +119,8 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     numbers = {
         text.get_text(): text.xy for text in axes.texts if text.get_gid() == "number of a test"
     }
-    assert numbers == {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
+    drawn_numbers = {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
+    assert numbers == drawn_numbers | {"6": (2.0, 140.0)}
 
 
 def test_a_test_is_also_marked_where_it_would_lie_at_the_friction_of_the_line():

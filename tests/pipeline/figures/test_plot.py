@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 import pipeline
@@ -11,7 +12,7 @@ from pipeline.answers.value_text import format_limit
 from pipeline.cli.parser import whole_parser
 from pipeline.figures import plot as live
 from pipeline.figures.rows_figure import draw_rows, most_critical_row
-from pipeline.figures.style import GREY
+from pipeline.figures.style import GREY, THICK
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 
@@ -30,7 +31,13 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
         bare_test(900.0, 1.0, 0.07),
     )
     mild = bare_test(200.0, 3.0, outcome="mild")
-    axes = plot(synthetic.sweep(tests=(*tests, mild)), "tests").axes[0]
+    ds = synthetic.sweep(tests=(*tests, mild))
+    axes = plot(ds, "tests").axes[0]
+    low, middle, high = np.exp(pipeline.compare_tests(ds).attrs["levels"])
+    band = axes.patches[0].get_extents().transformed(axes.transData.inverted())
+    assert (band.x0, band.x1) == pytest.approx((low, high))
+    heavy = [line for line in axes.lines if line.get_linewidth() == THICK]
+    assert [line.get_xdata()[0] for line in heavy] == pytest.approx([middle])
 
     def ratio(test, velocity):
         rise = synthetic.rise(test.normal_load, velocity, 0.9)
@@ -78,6 +85,9 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins
     assert drawn_margins == pytest.approx(
         dict(enumerate(row_margins["temperature_margin"].values[:3]))
     )
+    ((_, _, (error_bars,)),) = axes.containers
+    ends = np.array(error_bars.get_segments()[:3])[..., 0]
+    assert np.diff(ends)[:, 0] == pytest.approx(2 * row_margins["temperature_error"].values[:3])
     assert most_critical_row(row_margins) == 2
     weights = [tick.label1.get_fontweight() for tick in axes.yaxis.get_major_ticks()]
     assert weights == ["normal", "normal", "bold", "normal"]

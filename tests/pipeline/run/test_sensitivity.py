@@ -206,6 +206,7 @@ def test_a_second_point_continues_the_store_and_the_first_is_not_simulated_again
         counts.append(pipeline.summary(out).tests.done)
     assert counts == [19, 38, 38]  # 8 inputs on both sides, and three velocities
     assert (ds["load"].item(), ds["velocity"].item()) == (400, 2)
+    assert ds.attrs["film"] == ""  # of a smooth contact its inlet is not known
 
 
 def test_an_input_that_the_scene_refuses_on_one_side_is_taken_on_the_other(tmp_path):

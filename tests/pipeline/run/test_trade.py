@@ -49,6 +49,11 @@ def test_table_and_figure_have_each_run(measured, tmp_path):
     assert trade.table["numerical error [%]"].tolist() == pytest.approx(errors, rel=1e-2)
     assert "accuracy 10%" in str(trade)
     assert pipeline.plot(trade, out=tmp_path / "trade.svg").exists()
+    for line, runs in zip(
+        pipeline.plot(trade).axes[0].lines, (trade.runs, trade.planes), strict=True
+    ):
+        points = [(run.seconds, run.error) for run in runs]
+        assert [*zip(*line.get_data(), strict=True)] == points
 
 
 def test_the_words_of_a_trade_are_kept(measured):
