@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.store.schema import COLUMNS
 from tests.helpers import tiny
 from tests.helpers.entries import bare_test
 from tests.helpers.stores import commit_all
@@ -143,6 +144,8 @@ REFUSED = {
     "one quantile": (lambda ds: ds.sel(area_fraction_below=0.9),
                      "area_fraction_below is a single value; select a list instead: "
                      "ds.sel(area_fraction_below=[0.9])"),
+    "end without columns": (lambda ds: ds.drop_vars(COLUMNS, errors="ignore").sel(step=0),
+                            "; keep all of its variables"),
     "other places": (lambda ds: ds.assign_coords(load=ds["load"].values[::-1]), "sort it"),
 }  # fmt: skip
 

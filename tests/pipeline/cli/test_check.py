@@ -96,3 +96,12 @@ def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, tmp_path):
     assert message in check("--set", setting, code=2)
     assert message in irg("run", SCENE, "--set", setting, "-o", tmp_path / "out.zarr", code=2)
     assert not [*tmp_path.iterdir()]
+
+
+def test_a_scene_that_needs_more_memory_than_there_is_is_refused(check, monkeypatch):
+    monkeypatch.setattr("pipeline.cli.check.worker_bytes", lambda sweep: 3e9)
+    monkeypatch.setattr("pipeline.cli.check.machine_memory", lambda: 2e9)
+    assert check(code=2).strip() == (
+        "irg: the scene needs about 3000 MB of memory per worker, but this machine has 2 GB; "
+        "reduce window.pixels, or choose coarser settings in [fidelity]"
+    )

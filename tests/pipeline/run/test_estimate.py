@@ -64,3 +64,11 @@ def test_the_time_of_a_sweep_is_estimated_within_a_factor_of_three(changes, cloc
     seconds = clock() - began
     assert (cost.points, cost.tasks) == (6, 6)
     assert 1 / 3 < (cost.seconds - 1.0) / seconds < 3  # one second starts the workers
+
+
+def test_workers_share_the_time_but_no_more_than_there_are_cores(clock, monkeypatch):
+    monkeypatch.setattr("dask.system.cpu_count", lambda: 2)
+    sweep = changed(SWEEP, roughness=None, steps="end", loads=(250.0, 500.0))
+    times = [estimate(sweep, workers).seconds - 1.0 for workers in (1, 1, 2, 8)]
+    _, one, two, eight = times  # the first also transforms influences, which are kept
+    assert (two, eight) == pytest.approx((one / 2, one / 2))

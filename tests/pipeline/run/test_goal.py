@@ -3,13 +3,20 @@
 import json
 import re
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.answers.error import PARTS
+from pipeline.progress import silent
+from pipeline.run import goal
+from pipeline.run.goal import GoalOutcome, GoalPlan, reason_surface_is_fixed
+from pipeline.run.search import PointIndex
 from pipeline.store.schema import DONE, NOT_NEEDED
+from tests.helpers.kept import assert_as_kept
 from tribo import InputError
 
 # first_try on fewer elements: the same search in a quarter of the time
@@ -179,3 +186,44 @@ def test_a_critical_temperature_from_tests_is_found_before_the_boundary_is_searc
     assert (boundary["velocity_error"] < 0.06).all()
     assert "(median, from tests)" in boundary.attrs["conditions"]
     assert run(sweep, tmp_path / "a.zarr", 0.06).computed == 0
+
+
+@pytest.mark.parametrize(("realization", "count"), [(3, 4), (4, 7), (200, 256)])
+def test_a_store_grows_by_half_when_it_has_too_few_realizations(
+    small, monkeypatch, realization, count
+):
+    needed = [PointIndex(0, 0, 0), PointIndex(realization, 0, 0)]
+    search = SimpleNamespace(loads=[400.0], velocities=[1.0], ask=lambda: (needed, []))
+    monkeypatch.setattr(goal, "search_of", lambda *_: search)
+    plan = GoalPlan(scene(), None, 0.025, silent)
+    assert plan.ask(pipeline.open_sweep(small)) == [(400.0, 1.0, (("realization", 0),))]
+    assert len(plan.sweep.cases) == count
+
+
+def test_a_goal_stores_the_course_of_points_only_where_the_scene_asks_for_it():
+    for entries, steps in (({}, "end"), ({"sweep.steps": "course"}, "course")):
+        assert GoalPlan(scene(**entries), None, 0.025, silent).sweep.steps == steps
+
+
+SURFACES = {
+    "smooth": ("fig4", {}),
+    "area": ("scan", {"sweep.realizations": 1}),
+    "areas": ("scan", {"sweep.realizations": 2}),
+    "random": ("first_try", {}),
+    "seeds": ("first_try", {"sweep.realizations": [3, 5]}),
+}
+
+
+def test_what_a_goal_says_reads_as_it_is_kept():
+    def said(case="", load=400.0, total=0.03, reason="", **parts):
+        errors = dict.fromkeys(PARTS, 0.001) | parts
+        outcome = GoalOutcome(case, "fine", load, total, errors, 0.01, (100.0, 200.0))
+        return "\n".join(outcome.lines(0.02, reason))
+
+    texts = {part: said(**{part: 0.029}) for part in PARTS}
+    texts["unknown"] = said("pin.radius 2 mm", total=np.nan, warnings=np.nan)
+    texts["fixed"] = said(total=0.019, reason="2 seeds are listed")
+    texts["none"] = said("pin.radius 2 mm", load=np.nan)
+    for name, (shipped, entries) in SURFACES.items():
+        texts[name] = reason_surface_is_fixed(pipeline.load_scene(shipped, overrides=entries))
+    assert_as_kept("goals", texts)

@@ -7,6 +7,7 @@ from distributed import Client
 
 import pipeline
 from pipeline.run.cluster import client_of
+from pipeline.store.create import writing
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.refusals import refusal_tests
@@ -41,10 +42,18 @@ def searched(sweep, accuracy=0.02):
     return lambda: pipeline.run_sweep(sweep, "a.zarr", workers=1, accuracy=accuracy)
 
 
+def of_a_custom_store():
+    coarse = tiny.sweep(preset=None)
+    with writing("a.zarr", coarse):
+        pass
+    return searched(coarse)()
+
+
 ROWS = tiny.sweep(
     case_table=rows("row", {"a": {}, "b": {}}, load=[200.0, 300.0], velocity=[1.0, 2.0])
 )
 
+FRICTIONLESS_CASE = {"sweep.over": {"friction.coefficient": [0.1, 0]}, "without": "friction.band"}
 VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.increments": [6, 8]}})
 
 REFUSALS = {
@@ -55,6 +64,8 @@ REFUSALS = {
     "rows": searched(ROWS),
     "at rest": searched(tiny.sweep(velocities=(0.0,))),
     "frictionless": searched(COLD),
+    "a frictionless case": searched(pipeline.load_scene("first_try", overrides=FRICTIONLESS_CASE)),
+    "custom store": of_a_custom_store,
     "client": lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"),
     "closed": lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()),
     "workers": lambda: pipeline.run_sweep(SWEEP, "a.zarr", workers=1.5),

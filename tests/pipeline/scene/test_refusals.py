@@ -239,6 +239,8 @@ ENTRIES = {
     "a temperature": uncertain("temperature.bulk", "5 degC"),
     "bare difference": uncertain("temperature.bulk", 5),
     "many per cent": uncertain("pin.radius", "500 %"),
+    "scale in micrometres": lambda: load_scene("scan", overrides={
+        "uncertainty": {"disk.roughness.height_unit": "0.05 um"}}),
     "more than a radius": uncertain("pin.radius", "3 mm"),
     "several deviations": uncertain("pin.radius, pin.length", "0.1 mm"),
     "sensitivity of a store": lambda: variants_of(tiny.sweep(), [(400.0, 2.0, ())]),

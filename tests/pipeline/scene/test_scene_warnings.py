@@ -168,9 +168,12 @@ def test_a_test_with_its_own_entries_repeats_no_warning_of_the_scene():
     assert [w.path for w in scene.all_warnings if "11 µm is" in w.words] == ["disk.roughness.ra"]
 
 
-@pytest.mark.parametrize(("load", "is_far"), [(19.9, 1), (20.1, 0), (7499.0, 0), (7501.0, 1)])
-def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
-    test = bare_test(load, max(SMOOTH.velocities))
+@pytest.mark.parametrize(
+    ("load", "factor", "is_far"),
+    [(19.9, 1, 1), (20.1, 1, 0), (7499.0, 1, 0), (7501.0, 1, 1), (200.0, 9.9, 0), (200.0, 10.1, 1)],
+)
+def test_a_test_far_outside_the_sweep_is_doubted(load, factor, is_far):
+    test = bare_test(load, factor * max(SMOOTH.velocities))
     doubts = warning_texts(changed(SMOOTH, loads=(200.0, 750.0), tests=(test,)))
     assert sum("the test at" in doubt for doubt in doubts) == is_far
 
@@ -204,6 +207,20 @@ def test_grooves_along_sliding_are_doubted(lay, measured, pattern, is_warned):
     scene = changed(SMOOTH, wear=tribo.Wear(1.2e-15, pattern))
     texts = warning_texts(scene, surface=surface(lay=lay, measured=measured))
     assert any("the grooves run along the sliding direction" in text for text in texts) is is_warned
+
+
+@pytest.mark.parametrize(
+    ("path", "facts", "is_warned"),
+    [
+        ("loading", {"duration": Span(1.0, 1.1e6)}, True),
+        ("loading", {"duration": Span(0.04, 1.0)}, False),
+        ("disk.roughness.ra", {"surface": surface(ra=11e-6)}, True),
+        ("disk.roughness.ra", {"surface": surface(ra=11e-6, measured=False)}, False),
+    ],
+)
+def test_the_longest_loading_and_the_ra_of_a_scan_are_doubted(path, facts, is_warned):
+    texts = warning_texts(SMOOTH, **facts)
+    assert any(text.startswith(f"{path}: ") and "unusual" in text for text in texts) is is_warned
 
 
 # Missing entries, and tests with another loading history

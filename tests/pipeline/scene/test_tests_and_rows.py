@@ -128,6 +128,9 @@ def test_the_stages_of_a_test_are_one_specimen_up_to_its_last_stage_and_are_stor
     )
     mild, severe, other = sweep.tests
     assert mild.case.scene == severe.case.scene
+    volume = 1.2e-15 * mild.case.scene.loading.worn_impulse(2.0) / 3.4e-3
+    chord = (12 * 2e-3 * volume) ** (1 / 3)
+    assert sweep.scene.pixels.size[0] < 1.25 * chord <= mild.case.scene.pixels.size[0]
     assert mild.case.scene.loading == Stages((100.0, 200.0, 300.0), (60.0,) * 3, 150.0)
     assert other.case.scene.loading == Stages((100.0, 250.0), (60.0, 90.0), 150.0)
     reread = parse_sweep(sweep_text(sweep), {})
