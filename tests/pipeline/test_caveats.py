@@ -2,10 +2,12 @@
 
 import shutil
 
+import numpy as np
 import pandas as pd
 import pytest
 
 import pipeline
+from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit_all
@@ -67,3 +69,15 @@ def test_values_of_all_cases_are_doubted(odd, irg):
     over = 'sweep.over={"materials.steel.hardness"=["2 GPa","66 GPa"]}'
     output = " ".join(irg("check", odd, "--set", over).split())
     assert f"{HARD} the elastic modulus is common): check number and unit (in 66 GPa)" in output
+
+
+@pytest.mark.parametrize(("share", "count"), [(0.1, 0), (0.0, 9)])
+def test_a_rise_is_slow_where_the_temperature_that_decides_hardly_grows_with_velocity(share, count):
+    def rise(load, velocity, quantile=1.0):  # of the hottest places as velocity^0.2
+        is_hottest = np.asarray(quantile) > 0.95
+        return synthetic.rise(load, velocity, quantile) * velocity ** (-0.5 * is_hottest)
+
+    conditions = synthetic.CONDITIONS | {"critical_area_fraction": share}
+    plane = (200.0, 400.0, 600.0), (0.25, 0.5, 1.0)
+    ds = synthetic.sweep(*plane, rise=rise, tests=(), conditions=conditions)
+    assert pipeline.points_with_warnings(ds).points == count
