@@ -89,6 +89,7 @@ class Law:
 REFUSALS = {
     # materials, grids, closed forms
     "poisson": lambda: replace(STEEL, poisson_ratio=0.6),
+    "poisson of -1": lambda: replace(STEEL, poisson_ratio=-1.0),
     "soft": lambda: replace(STEEL, hardness=0.0),
     **{
         name: lambda name=name: replace(STEEL, **{name: -1.0})
@@ -118,6 +119,7 @@ REFUSALS = {
     "backwards": lambda: rolling_sliding_rise(0.1, 1e5, 2e-4, (-1.0, 2.0), 1e4),
     # surfaces, wear, loading
     "hurst": lambda: self_affine(GRID, 1e-7, 1.2, 1e-6, 0),
+    "hurst of 0": lambda: self_affine(GRID, 1e-7, 0.0, 1e-6, 0),
     "single": lambda: self_affine(Grid((1, 1), (1.0, 1.0)), 1e-7, 0.8, 1e-6, 0),
     "ra": lambda: self_affine(GRID, 0.0, 0.8, 1e-6, 0),
     **{
@@ -142,7 +144,7 @@ REFUSALS = {
     "ramp rate": lambda: Ramp(0.0, 1.0),
     "no increments": lambda: list(Ramp(1.0, 1.0).load_steps(1.0, 0)),
     "hold": lambda: Ramp(1.0, 1.0, hold=-1.0),
-    "stages that fall": lambda: Stages((2.0, 1.0), (1.0, 1.0), 1.0),
+    "stages that do not rise": lambda: Stages((2.0, 2.0), (1.0, 1.0), 1.0),
     "stages without hold": lambda: Stages((1.0, 2.0), (1.0,), 1.0),
     "no stage": lambda: list(Stages((1.0,), (1.0,), 1.0).load_steps(2.0, 4)),
     "many stages": lambda: [*Stages((1.0,), (1.0,), 1.0).load_steps(1.0, 100_000)],
@@ -177,6 +179,7 @@ REFUSALS = {
     "nodes": lambda: conducting(nodes=0),
     "image": lambda: conducting(length="nearest-image"),
     "length": lambda: conducting(length=0.0),
+    "share below 0": lambda: tribo.Conditions(0.1, 298.0, critical_area_fraction=-0.1),
     "no share": lambda: tribo.Conditions(0.1, 298.0, critical_area_fraction=1.0),
     "no contact": lambda: contact_quantiles(ZERO, ~ON),
     "stored": lambda: rise_exceeded(np.ones(2), 0.1, (0.0, 0.5)),
@@ -189,6 +192,8 @@ REFUSALS = {
     "no time": lambda: divided(time=0.0, bulk_difference=1.0),
     # scenes and their points
     "contact tolerance": lambda: Fidelity(contact_tolerance=0.0),
+    "loose contact tolerance": lambda: Fidelity(contact_tolerance=1.1),
+    "infinite imprint": lambda: Fidelity(imprint=INFINITE),
     **{
         name: lambda name=name: Fidelity(**{name: -1})
         for name in ("pixels_per_element", "increments", "fewest_elements", "history_coarsening",
@@ -203,10 +208,10 @@ REFUSALS = {
         friction=0.1, bulk_temperature=298.0, added_rise_fraction=-1.0
     ),
     "friction of conditions": lambda: tribo.Conditions(friction=-0.1, bulk_temperature=298.0),
-    "bulk of conditions": lambda: tribo.Conditions(friction=0.1, bulk_temperature=-1.0),
+    "bulk of conditions": lambda: tribo.Conditions(friction=0.1, bulk_temperature=0.0),
     "rise of conditions": lambda: tribo.Conditions(0.1, 298.0, added_rise_fraction=np.nan),
     "critical": lambda: tribo.Conditions(friction=0.1, bulk_temperature=298.0,
-                                          critical_temperature=290.0),
+                                          critical_temperature=298.0),
     "no limit": lambda: allowable_rise(tribo.Conditions(friction=0.1, bulk_temperature=298.0)),
     "disc diameter": lambda: Disc(diameter=0.0, width=1.0),
     "motion": lambda: Motion(slide_roll_ratio=INFINITE),

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from tribo import Ramp
+from tribo import Fidelity, Ramp
 
 RAMP = Ramp(rate=150.0, reference_load=750.0)
 
@@ -44,6 +44,7 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
         assert [s.index - plain[-1].index for s in hold] == [*range(1, len(hold) + 1)]
         assert all(s.holding and not s.on_trunk for s in hold)
         assert not any(s.holding for s in plain)
+    assert Fidelity(increments=99, fewest_elements=1).hold_increments == 99
     *_, end = Ramp(150.0, 750.0, hold=1e-9).load_steps(600.0, 100)
     assert (end.holding, end.index, end.time) == (True, 81, pytest.approx(4.0))
 

@@ -5,6 +5,7 @@ import pytest
 
 from tests.helpers.scenes import last, small_scene
 from tribo import MeasuredRoughness, measures, simulate
+from tribo.simulation import add_temperature
 
 
 def test_direction_of_sliding_is_a_mirror():
@@ -35,3 +36,7 @@ def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
     states = simulate(unworn, 600.0, 1.25, requested=range(100))
     rises = [state.heat.mean_rise for state in states]
     assert (np.diff(rises) >= 0).all()
+    # Those not asked for are left out, but the onset and the end of the hold.
+    states = list(simulate(unworn, 600.0, -1.25))
+    assert [(state.time, state.sliding_distance) for state in states] == [(4.0, 5.0), (8.0, 10.0)]
+    assert add_temperature(unworn, states[-1], -1.5).sliding_distance == 12.0

@@ -72,6 +72,7 @@ def test_from_so_many_elements_in_contact_on_there_are_enough(name):
         assert_told(words, scene, state, WarningKind.FEW_NODES)
 
 
+ELASTIC = replace(STEEL, hardness=np.inf)
 SMALL, BALL_SCENE = small_scene(), replace(small_scene(periodic=(False, False)), pin=BALL)
 FREE_BALL = replace(
     SMALL, pin=BALL, roughness=None, wear=Wear(3e-15),
@@ -147,6 +148,8 @@ ROWS = [  # kind, scene, function of the scene that makes a state, words of the 
     (STEPS, SMALL, lambda s: reached(s, 2), None),
     (STEPS, replace(SMALL, wear=None), lambda s: reached(s, 1), None),
     (STEPS, replace(SMALL, wear=Wear(0.0)), lambda s: reached(s, 1), None),
+    (COARSE, replace(correlated(1e-6), pin=replace(SMALL.pin, material=ELASTIC), disk=ELASTIC),
+     wide, "0.12 pixels along x"),  # no elements are smaller than pixels
 ]  # fmt: skip
 
 
