@@ -265,3 +265,17 @@ def test_a_scene_with_many_faults_lists_the_first_and_counts_the_others(tmp_path
     (tmp_path / "a.toml").write_text('extends = "first_try"\n' + 4000 * test)
     with pytest.raises(SceneFileError, match=r"(?s)12000 faults.*and 11982 more"):
         load_scene(tmp_path / "a.toml")
+
+
+ALLOWED = {
+    "a band of one friction": {"friction.band": [0.1, 0.1]},
+    "a rounded track": {"motion": {"slide_roll_ratio": 1, "disk_track_length": "40.3 mm"},
+                        "disk.track_length": "40 mm"},
+    "grids of cases": {"sweep.over": {"fidelity.pixels_per_element": [1, 2]},
+                       "sweep.fields": False},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ALLOWED)
+def test_what_is_just_allowed_is_read(name):
+    assert load_scene("first_try", overrides=ALLOWED[name]).loads
