@@ -6,6 +6,7 @@ import re
 import sys
 from contextlib import ExitStack
 from dataclasses import replace
+from pathlib import Path
 from unittest import mock
 
 import matplotlib as mpl
@@ -17,6 +18,7 @@ import tribo
 from pipeline import load_scene
 from pipeline.cli import main
 from pipeline.shipped import WORKFLOWS
+from tests.helpers.kept import assert_as_kept
 from tribo import InputError
 from workflows import paper
 from workflows.paper.gallery import pages
@@ -170,6 +172,9 @@ def test_every_result_has_numbers_verdicts_and_a_figure(small, folder, name):
     text = "\n".join(report.lines())
     assert text.startswith(f"{name}: ")
     assert all(verdict in text for verdict in {f["printed"] for f in document["findings"]})
+    if name not in BEYOND:
+        plain = replace(report, seconds=0.0, file=None)
+        assert_as_kept(f"paper/{name}", {name: "\n".join(plain.lines())})
     png = (folder / f"{name}.png").read_bytes()
     assert png.startswith(b"\x89PNG")
     assert len(png) < 200_000
@@ -376,6 +381,7 @@ def test_the_pages_show_all_results_and_no_statement_twice():
     ("name", "options", "message"),
     [
         ("fig44", {}, 'did you mean "fig4"'),
+        ("table1", {}, "table1 is not recomputed: data of the test rig"),
         ("fig4", {"out": "a.gif"}, ".png"),
         ("fig4", {"scenes": "nowhere"}, "nowhere/fig4.toml: cannot be read"),
     ],
@@ -387,9 +393,24 @@ def test_wrong_use_is_named(name, options, message):
 
 def test_the_command_lists_and_recomputes(small, monkeypatch, capsys):
     assert main(["paper", "--list"]) == 0
-    assert "table4" in capsys.readouterr().out
-    report = small("fig4")
+    listed = capsys.readouterr().out
+    report = replace(small("fig4"), seconds=0.0, file=Path("fig4.png"))
+    reproduce = mock.Mock(return_value=report)
     with monkeypatch.context() as patched:
-        patched.setattr(paper, "reproduce", lambda name, out, **options: report)
-        assert main(["paper", "fig4"]) == 0
-    assert "agrees" in capsys.readouterr().out
+        patched.setattr(paper, "reproduce", reproduce)
+        options = ["-o", "fig4.png", "--preset", "fine", "--surfaces", "2", "-j", "3"]
+        assert main(["paper", "fig4", *options]) == 0
+    reproduce.assert_called_once_with(
+        "fig4", Path("fig4.png"), progress=mock.ANY, preset="fine", surfaces=2, workers=3
+    )
+    assert_as_kept("paper/command", {"list": listed, "fig4": capsys.readouterr().out})
+
+
+def test_all_results_are_written_to_a_folder(tmp_path):
+    (tmp_path / "file").touch()
+    for path, message in (
+        (tmp_path / "all.png", "to the file {}; name a folder"),
+        (tmp_path / "file" / "page", "cannot write to {}: Not a directory"),
+    ):
+        with pytest.raises(InputError, match=re.escape(message.format(path))):
+            paper.write_gallery(path)
