@@ -20,6 +20,7 @@ from pipeline.answers.error import (
 from pipeline.answers.pchip import Pchip
 from pipeline.answers.posterior import Outcome, Prior, update
 from pipeline.answers.specimen import merge_realizations
+from pipeline.constants import ROUGHNESS_DEVIATION
 from tribo import WarningKind
 
 LOADS, VELOCITIES = np.array([200.0, 300, 400, 600, 750]), np.array([0.5, 1, 1.5, 2.5, 4, 5])
@@ -153,6 +154,18 @@ def test_the_error_by_a_preset_is_its_promise_or_that_of_the_rise_over_a_flatter
     assert parts[PRESET] == pytest.approx([0.65 * 0.015], rel=1e-9)
     preset_error = velocity_errors(specimen.field, parts, *at)[PRESET]
     assert preset_error == pytest.approx([0.015 * factor], rel=1e-6)
+
+
+@pytest.mark.parametrize(("count", "least", "most"), [(1, 0.0015, 0.003), (4, 0.0, 0.0014)])
+def test_a_velocity_off_the_line_is_an_error_unless_it_is_within_the_roughness_of_a_mean(
+    count, least, most
+):
+    x = np.linspace(0.0, 0.4, 9)
+    y = np.broadcast_to(0.6 * x + 0.8 * ROUGHNESS_DEVIATION * (x == x[4]), (count, 2, 9))
+    unit = np.ones((2, 9))
+    specimen = merge_realizations(LOADS[:2], np.exp(x), y, 0 * unit, 0 * unit.astype(int), unit)
+    along, _ = interpolation_errors(specimen, LOADS[:1], np.exp(x[3:4] + 0.025))
+    assert least <= along.sum() <= most
 
 
 def test_the_error_by_present_heat_falls_with_the_duration_and_of_two_the_larger_counts():
