@@ -193,3 +193,11 @@ def test_labels_are_words_and_names_stay_as_written(tmp_path):
     columns = {column.name: (table.column(column.name), column.unit) for column in table.columns}
     assert columns["number"] == (("007", "12E4"), None)
     assert columns["flank"] == (("a", "b"), None)
+
+
+def test_a_test_with_friction_is_heated_though_its_scene_is_not():
+    test = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild", "friction": 0.1}
+    entries = {"friction.coefficient": 0, "without": ["friction.band"], "tests": [test]}
+    sweep = pipeline.load_scene("first_try", overrides=entries)
+    assert not sweep.scene.friction_heat
+    assert sweep.tests[0].case.scene.friction_heat
