@@ -214,7 +214,7 @@ SURFACES = {
 }
 
 
-def test_what_a_goal_says_reads_as_it_is_kept():
+def test_the_lines_of_a_goal_are_kept():
     def said(case="", load=400.0, total=0.03, reason="", **parts):
         errors = dict.fromkeys(PARTS, 0.001) | parts
         outcome = GoalOutcome(case, "fine", load, total, errors, 0.01, (100.0, 200.0))

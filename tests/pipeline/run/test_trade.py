@@ -30,7 +30,7 @@ def test_smaller_errors_cost_more_and_go_on_in_one_store(measured):
     assert second.error <= 0.1
     assert first.error <= 0.2
     assert first.points <= second.points == pipeline.summary(out).done
-    assert 0 < first.seconds < second.seconds  # with that of the first
+    assert 0 < first.seconds <= second.seconds  # earlier runs included
 
 
 def test_planes_have_all_points_and_slower_presets_err_less(measured):

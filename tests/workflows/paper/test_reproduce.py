@@ -161,7 +161,7 @@ def small(folder, scenes):
     "name",
     [pytest.param(name, marks=[pytest.mark.slow] * (name in BEYOND)) for name in paper.RESULTS],
 )
-def test_every_result_has_numbers_verdicts_and_a_figure(small, folder, name):
+def test_every_result_has_a_figure_and_its_numbers_and_verdicts_are_kept(small, folder, name):
     report = small(name)
     assert report.name == name
     assert report.findings
@@ -391,7 +391,7 @@ def test_wrong_use_is_named(name, options, message):
         paper.reproduce(name, **options)
 
 
-def test_the_command_lists_and_recomputes(small, monkeypatch, capsys):
+def test_the_command_takes_its_options_and_its_texts_are_kept(small, monkeypatch, capsys):
     assert main(["paper", "--list"]) == 0
     listed = capsys.readouterr().out
     report = replace(small("fig4"), seconds=0.0, file=Path("fig4.png"))
