@@ -37,6 +37,8 @@ line of a single simulated value it is unknown.
 _NOWHERE = Side.OUTSIDE_MODEL, Side.UNKNOWN
 _PARTS_OF_GAP = 12  # between two simulated values
 _BISECTIONS = 24  # of the ratio of neighbouring nodes, to 1e-8 of a limit
+_MOST_AT_ONCE = 4  # bisections; all numbers up to it divide `_BISECTIONS`
+_SMALL_BATCH = 1000
 _LOG_FRICTIONS = 25.0  # largest |ln(limit over computed critical friction)|
 _BATCH_SIZE = 4000
 _JUST_BELOW = 1 - 1e-6  # of the load of a test, from which it rules verdicts out
@@ -194,26 +196,22 @@ def stretches(model: VerdictModel, points: QueryPoints) -> dict[int, Stretches]:
 
 def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -> Limits:
     """Mild limits of friction at k points, whose computed `critical` frictions are known."""
-    rises = model.rises(points)
+    rises, all_points = model.rises(points), np.arange(len(critical))
 
-    def is_mild(friction: Array) -> Mask:
-        return np.asarray(model.judge(points._replace(friction=friction), rises).verdict == MILD)
+    def is_mild(friction: Array, point: Indices) -> Mask:
+        at = points.take(point)._replace(friction=friction)
+        return np.asarray(model.judge(at, rises.take(point)).verdict == MILD)
 
     lower, upper = (critical * np.exp(sign * _LOG_FRICTIONS) for sign in (-1, 1))
-    is_below, is_above = ~is_mild(lower), is_mild(upper)
-    at_point = is_mild(points.friction)
+    is_below, is_above = ~is_mild(lower, all_points), is_mild(upper, all_points)
+    at_point = is_mild(points.friction, all_points)
     lower = np.where(at_point, np.maximum(lower, points.friction), lower)
     upper = np.where(at_point, upper, np.minimum(upper, points.friction))
-    first = lower
-    for _ in range(2 * _BISECTIONS):
-        middle = np.sqrt(lower * upper)
-        is_lower = is_mild(middle)
-        lower, upper = np.where(is_lower, middle, lower), np.where(is_lower, upper, middle)
+    limits = _rounded(_last_in(is_mild, lower, upper, 2 * _BISECTIONS), lower, MILD)
     codes = (*map(int, _NOWHERE), int(Side.BELOW), int(Side.ABOVE))
     is_nowhere = rises.is_outside, np.isnan(critical)
     sides = np.select((*is_nowhere, is_below, is_above), codes, int(Side.INSIDE))
-    limits = np.where(sides == Side.INSIDE, _rounded(lower, first, MILD), np.nan)
-    return Limits(limits, sides.astype(np.int8))
+    return Limits(np.where(sides == Side.INSIDE, limits, np.nan), sides.astype(np.int8))
 
 
 def _bisect(
@@ -225,10 +223,31 @@ def _bisect(
     edge: Array,
 ) -> Array:
     """Last values (k,) with `verdict` on lines, between those with it and those without it."""
-    for _ in range(_BISECTIONS):
-        middle = np.sqrt(last * edge)
-        is_in = model.verdicts(lines._replace(**{axis: middle})) == verdict
-        last, edge = np.where(is_in, middle, last), np.where(is_in, edge, middle)
+
+    def is_in(values: Array, line: Indices) -> Mask:
+        codes = model.verdicts(lines.take(line)._replace(**{axis: values}))
+        return np.asarray(codes == np.broadcast_to(verdict, last.shape)[line])
+
+    return _last_in(is_in, last, edge, _BISECTIONS)
+
+
+def _last_in(
+    is_in: Callable[[Array, Indices], Mask], last: Array, edge: Array, bisections: int
+) -> Array:
+    """Last of the values (k,) of which `is_in` is true, between such ones and others.
+
+    `is_in` takes values and the index of the line of each. It judges several values of a line at
+    once if lines are few, since its cost hardly grows up to some hundred values.
+    """
+    lines = np.arange(len(last))
+    at_once = int(np.clip(np.log2(_SMALL_BATCH / max(len(last), 1)), 1, _MOST_AT_ONCE))
+    fractions = np.arange(1, 2**at_once) / 2**at_once
+    for _ in range(bisections // at_once):
+        inner = last[:, None] * (edge / last)[:, None] ** fractions
+        is_inner_in = is_in(inner.ravel(), np.repeat(lines, len(fractions))).reshape(inner.shape)
+        first_out = np.where(is_inner_in.all(axis=1), len(fractions), is_inner_in.argmin(axis=1))
+        values = np.column_stack([last, inner, edge])
+        last, edge = values[lines, first_out], values[lines, first_out + 1]
     return last
 
 

@@ -107,7 +107,7 @@ class Rises(NamedTuple):
     load: Array
     velocity: Array
     log_rise: Array  # NaN if unknown
-    errors: Array  # relative, by part (4, k)
+    errors: Array  # relative, by part (5, k)
     is_outside: Mask  # the film carries more load than the model allows
     is_film_unknown: Mask
 
