@@ -185,15 +185,22 @@ def interpolation_errors(
 
 def _row_errors(specimen: Specimen, rows: Indices, velocities: Array) -> Array:
     """Relative errors (k,) along velocity at the loads with indices `rows` (k,)."""
-    field, errors = specimen.field, np.full(len(rows), np.nan)
-    # The mean of several realizations is smooth; the curve of the first one is not.
-    noise = np.where(specimen.realizations > 1, ROUGHNESS_DEVIATION, 0.0)
-    for curve_rows, curves in field.curves:
+    errors = np.full(len(rows), np.nan)
+    for (curve_rows, curves), bounds in zip(
+        specimen.field.curves, specimen.bounds_along_velocity, strict=True
+    ):
         indices = np.flatnonzero(np.isin(rows, curve_rows))
         if indices.size:
             columns, at = np.searchsorted(curve_rows, rows[indices]), np.log(velocities[indices])
-            errors[indices] = _curve_errors(curves, columns, at, noise[curve_rows])
+            errors[indices] = _curve_errors(curves.x, bounds, columns, at)
     return errors
+
+
+def bounds_along_velocity(specimen: Specimen) -> list[Array]:
+    """Bounds of the error in the middle of each gap between velocities, for each of the curves."""
+    # The mean of several realizations is smooth; the curve of the first one is not.
+    noise = np.where(specimen.realizations > 1, ROUGHNESS_DEVIATION, 0.0)
+    return [_curve_bounds(curves, noise[rows]) for rows, curves in specimen.field.curves]
 
 
 def curve_errors(x: Array, y: Array, at: Array) -> Array:
@@ -205,18 +212,22 @@ def curve_errors(x: Array, y: Array, at: Array) -> Array:
     >>> curve_errors(x, 0.6 * x, np.array([0.2, 0.4, 1.0])).round(4).tolist()
     [0.0038, 0.0, 0.0246]
     """
-    return _curve_errors(Pchip(x, y[:, None]), np.zeros(len(at), int), at)
+    bounds = _curve_bounds(Pchip(x, y[:, None]), 0.0)
+    return _curve_errors(x, bounds, np.zeros(len(at), int), at)
 
 
-def _curve_errors(curves: Pchip, columns: Indices, at: Array, noise: Array | float = 0.0) -> Array:
+def _curve_bounds(curves: Pchip, noise: Array | float) -> Array:
+    gaps = np.arange(len(curves.x) - 1)
+    return _interpolation_bounds(curves, ROUGHNESS_ERROR, gaps, noise=noise)
+
+
+def _curve_errors(x: Array, bounds: Array, columns: Indices, at: Array) -> Array:
     """Errors at k values `at` of ln(velocity), each of the curve in column `columns` (k,)."""
-    x = curves.x
     if len(x) == 1:
         return np.where(at == x[0], 0.0, np.nan)
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
     gap = x[i + 1] - x[i]
-    bounds = _interpolation_bounds(curves, ROUGHNESS_ERROR, np.unique(i), noise=noise)[i, columns]
-    interpolated = bounds * _gap_shape((at - x[i]) / gap)
+    interpolated = bounds[i, columns] * _gap_shape((at - x[i]) / gap)
     beyond = np.maximum(np.maximum(x[0] - at, at - x[-1]), 0.0)
     return np.asarray(interpolated + beyond * np.hypot(_SLOPE, EXPONENT_ERROR * (beyond + gap)))
 

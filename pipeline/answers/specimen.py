@@ -14,14 +14,16 @@ by generalized least squares, with the correlation that the realizations themsel
 
 from __future__ import annotations
 
+import functools
 import math
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import chdtri, stdtrit
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.error import position_limit
+from pipeline.answers.error import bounds_along_velocity, position_limit
 from pipeline.answers.field import Field
 from pipeline.constants import CORRELATION_LENGTHS
 from pipeline.sweep.case import Conditions
@@ -58,7 +60,8 @@ class RealizationMean(NamedTuple):
         return np.sqrt(np.diag(contrasts @ covariance @ contrasts.T))
 
 
-class Specimen(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Specimen:
     """The specimen of a case, the differences of its realizations, and warnings of its points."""
 
     field: Field  # ln(rise) [K]
@@ -77,6 +80,11 @@ class Specimen(NamedTuple):
     def realizations(self) -> Indices:
         """Number of realizations with a point at each load (n_load,)."""
         return np.asarray(np.isfinite(self.differences[..., 0]).sum(axis=0))
+
+    @functools.cached_property
+    def bounds_along_velocity(self) -> list[Array]:
+        """Bounds of interpolation errors between velocities, for each of the field's curves."""
+        return bounds_along_velocity(self)
 
     def offset_at(self, load: float, velocity: float) -> float:
         """ln(rise) minus that of the first realization; beyond the points, that of the nearest."""
@@ -97,7 +105,7 @@ def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
     specimen = merge_realizations(
         case.loads, case.velocities, y, sampling, kinds, durations, is_highest, freedom
     )
-    return specimen._replace(position_limit=position_limit(case.sweep))
+    return replace(specimen, position_limit=position_limit(case.sweep))
 
 
 def merge_realizations(
