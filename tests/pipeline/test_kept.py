@@ -115,8 +115,7 @@ def printed(capsys, folder, command):
     except SystemExit as error:
         code = error.code
     texts = capsys.readouterr()
-    text = f"{texts.out}\n{_PROGRESS.sub('', texts.err)}exit code {code}"
-    return relative(_DURATION.sub(r"\1 (time)", text), folder)
+    return relative(f"{texts.out}\n{_PROGRESS.sub('', texts.err)}exit code {code}", folder)
 
 
 def test_commands_read_as_they_are_kept(tmp_path, monkeypatch, capsys, undrawn):
@@ -125,12 +124,17 @@ def test_commands_read_as_they_are_kept(tmp_path, monkeypatch, capsys, undrawn):
     (tmp_path / "small.toml").write_text(scene + UNCERTAIN_AND_TESTED, encoding="utf-8")
     (tmp_path / "duty.csv").write_text(f"{DUTY}5000,1\n")
     (tmp_path / "rows.toml").write_text(ROWS)
-    texts = {command: printed(capsys, tmp_path, command) for command in IN_TURN}
+    texts = {
+        command: _DURATION.sub(r"\1 (time)", printed(capsys, tmp_path, command))
+        for command in IN_TURN
+    }
     assert_as_kept("commands", texts)
 
 
 def test_checks_read_as_they_are_kept(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("pipeline.run.estimate._TIMING_LIMIT", 0.0)  # [s]
+    times = 2.0, 0.7  # of a contact and of a heat solution [s]
+    monkeypatch.setattr("pipeline.run.estimate._time_steps", lambda sweep: times)
+    monkeypatch.setattr("dask.system.cpu_count", lambda: 2)
     texts = {scene: printed(capsys, tmp_path, f"check {scene}") for scene in CHECKS}
     assert_as_kept("checks", texts)
 

@@ -1,5 +1,7 @@
 """The random error by positions of the disk is a part of its own, which falls with realizations."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -19,7 +21,7 @@ def specimen_of(count=1, sampling=0.02, freedom=7.0, limit=LIMIT):
     plane = np.full((2, 3), sampling)
     flags, unit = np.zeros((2, 3), int), np.ones((2, 3))
     specimen = merge_realizations(LOADS, VELOCITIES, y, plane, flags, unit, freedom=freedom)
-    return specimen._replace(position_limit=limit)
+    return replace(specimen, position_limit=limit)
 
 
 def parts_of(specimen):

@@ -62,7 +62,12 @@ def test_a_pin_is_as_hot_as_under_a_moving_disk(surface, largest):
     assert abs(found[0]) < 4 * largest  # the pin fits its own position no better than others
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+LONG = "lay", "measured"  # families whose test takes 13 s each, by ``-m slow`` alone
+
+
+@pytest.mark.parametrize("family", [
+    pytest.param(family, marks=pytest.mark.slow if family in LONG else ()) for family in FAMILIES
+])  # fmt: skip
 def test_a_pin_of_each_family_is_as_hot_as_under_a_moving_disk(family):
     """Strips change each point at random, by up to 1.3 % of the rise in these scenes."""
     (point,) = family_points(family, 1)

@@ -51,7 +51,7 @@ def errors_and_spread(scene, load, velocity, seeds):
 
 
 def test_a_realization_tells_how_others_differ_and_a_smooth_disk_has_no_error():
-    error, spread = errors_and_spread(small_scene(), 400.0, 2.0, 48)
+    error, spread = errors_and_spread(small_scene(), 400.0, 2.0, 24)
     assert spread / 2 < error < 2 * spread
     smooth = small_scene(roughness=False)
     *_, state = simulate(smooth, 400.0, 2.0)
