@@ -38,6 +38,12 @@ def test_a_figure_is_the_same_in_any_style_of_its_caller_which_stays():
     assert dict(plt.rcParams) == before
 
 
+def test_a_notebook_shows_a_figure_as_a_file_has_it():
+    figure = pipeline.plot(synthetic.sweep(*SMALL))
+    figure.savefig(written := io.BytesIO(), format="png")
+    assert figure._repr_png_() == written.getvalue()
+
+
 def test_a_full_disk_leaves_the_figure_that_was_there(tmp_path, monkeypatch):
     def fail(_):
         raise OSError(errno.ENOSPC, "No space left on device")

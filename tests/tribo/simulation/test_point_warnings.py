@@ -115,6 +115,13 @@ def at(load, velocity):
     return lambda scene: last(scene, load, velocity)
 
 
+def to_edge(state):
+    """The state, if its contact also reached the edge of the window across sliding."""
+    pressure = state.pressure.copy()
+    pressure[0] = pressure.max()
+    return replace(state, pressure=pressure)
+
+
 COARSE, SHAPE, TURNS = (
     WarningKind.COARSE_PIXELS, WarningKind.BEYOND_SHAPE, WarningKind.FEW_TURNS,
 )  # fmt: skip
@@ -144,6 +151,7 @@ ROWS = [  # kind, scene, function of the scene that makes a state, words of the 
     (SLOW, FREE_BALL, at(10.0, 20.0), "--accuracy"),
     (SLOW, FREE_BALL, at(10.0, 1.0), None),
     (SLOW, replace(FREE_BALL, wear=None), at(10.0, 20.0), None),
+    (SLOW, FREE_BALL, lambda s: to_edge(at(10.0, 20.0)(s)), None),
     (STEPS, SMALL, lambda s: reached(s, 1), "reached in a single step"),
     (STEPS, SMALL, lambda s: reached(s, 2), None),
     (STEPS, replace(SMALL, wear=None), lambda s: reached(s, 1), None),
