@@ -153,6 +153,7 @@ REFUSALS = {
     ), 4.0),
     "no heights": lambda: remove_form(np.full((6, 5), np.nan), (1e-6, 1e-6)),
     "a plane for a surface": lambda: remove_form(np.ones((6, 5)), (1e-6, 1e-6)),
+    "zeros for a surface": lambda: remove_form(np.zeros((6, 5)), (1e-6, 1e-6)),
     "stage at an edge": lambda: stages_of(scene(
         loading=Stages((400.0,), (60.0,), 150.0), roughness=None), 400.0, 4.0),
     "steps": lambda: list(Ramp(1.0, 1e-9).load_steps(600.0, 100)),

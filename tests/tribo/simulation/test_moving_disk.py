@@ -136,6 +136,13 @@ def strip_shifts(scene, velocity=VELOCITY):
     )
 
 
+@pytest.mark.parametrize(("wear", "velocity"), [(None, VELOCITY), (tribo.Wear(1.2e-15), 0.0)])
+def test_a_step_without_wear_is_one_contact(wear, velocity):
+    scene = replace(scene_of(), wear=wear)
+    first, *_ = scene.load_steps(600.0)
+    assert len([*passes(scene, start(scene), first, wear, velocity, False, "sdirk2")]) == 1
+
+
 def test_no_strip_returns_to_an_element_within_64_stages():
     shifts = strip_shifts(scene_of(parts=4))
     assert shifts.shape == (64, 32)
