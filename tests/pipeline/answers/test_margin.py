@@ -204,6 +204,12 @@ def test_a_table_states_on_which_side_of_the_sweep_a_safety_factor_lies():
     assert (frame["verdict"] == ["mild", "severe"]).all()
 
 
+def test_columns_of_a_user_come_first_and_conditions_last_among_them():
+    columns = {"friction": [0.1], "load [N]": [300.0], "velocity [m/s]": [1.0], "site": ["a"]}
+    frame = margin_frame(pipeline.margin(synthetic.sweep(tests=()), columns))
+    assert [*frame][:2] == ["site", "friction"]
+
+
 def test_a_column_of_a_user_stays_as_typed_whatever_its_name():
     columns = {"load [N]": [300.0], "velocity [m/s]": [1.0], "height_error": ["a text"]}
     frame = margin_frame(pipeline.margin(synthetic.sweep(tests=()), columns))

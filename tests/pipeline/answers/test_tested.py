@@ -144,6 +144,9 @@ def test_each_test_has_the_probability_that_the_tests_without_it_give_its_outcom
     # A transition is as far from the others on either side: the probability has two tails.
     expected = [2 * min(p, 1 - p) for p in severe[:2]] + [1 - severe[2]]
     assert results["loo_probability"].values == pytest.approx(expected, rel=1e-3)
+    bracket = at(-2.0, "mild", number="d"), at(2.0, "severe", number="d")
+    (*_, widest) = pipeline.compare_tests(swept(*tests, *bracket))["loo_probability"].values
+    assert 0.99 < widest <= 1  # its two tails overlap
     levels = [update(others, Prior()).level(share) for share in (0.05, 0.5, 0.95)]
     assert results.attrs["levels"] == pytest.approx(levels, abs=1e-6)
 
