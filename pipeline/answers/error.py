@@ -217,6 +217,7 @@ def curve_errors(x: Array, y: Array, at: Array) -> Array:
 
 
 def _curve_bounds(curves: Pchip, noise: Array | float) -> Array:
+    """Bounds of the error of k curves in the middle of each gap between velocities (n − 1, k)."""
     gaps = np.arange(len(curves.x) - 1)
     return _interpolation_bounds(curves, ROUGHNESS_ERROR, gaps, noise=noise)
 

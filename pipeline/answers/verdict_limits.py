@@ -38,7 +38,7 @@ _NOWHERE = Side.OUTSIDE_MODEL, Side.UNKNOWN
 _PARTS_OF_GAP = 12  # between two simulated values
 _BISECTIONS = 24  # of the ratio of neighbouring nodes, to 1e-8 of a limit
 _MOST_AT_ONCE = 4  # bisections; all numbers up to it divide `_BISECTIONS`
-_SMALL_BATCH = 1000  # of values, which are judged in about the time of one
+_SMALL_BATCH = 1000  # values, which take four times as long to judge as one
 _LOG_FRICTIONS = 25.0  # largest |ln(limit over computed critical friction)|
 _BATCH_SIZE = 4000
 _JUST_BELOW = 1 - 1e-6  # of the load of a test, from which it rules verdicts out
@@ -237,7 +237,7 @@ def _last_in(
     """Last values (k,) that are in, each between `last`, which is in, and `edge`, which is not.
 
     `is_in` takes values and the line of each. Where lines are few, it takes several values of each
-    at once, since its cost hardly grows up to some hundred values.
+    at once, since a hundred values cost little more than one.
     """
     lines = np.arange(len(last))
     at_once = int(np.clip(np.log2(_SMALL_BATCH / max(len(last), 1)), 1, _MOST_AT_ONCE))

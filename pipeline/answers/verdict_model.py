@@ -358,7 +358,7 @@ class VerdictModel:
         return {"end_temperature": bulks + ratio * (temperatures - bulks)}
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
-        """Relative errors of critical velocities by part (4, k)."""
+        """Relative errors of critical velocities by part (5, k)."""
         parts = rise_errors(self.specimen, self.preset_error, loads, velocities)
         return velocity_errors(self.field, parts, loads, velocities)
 
