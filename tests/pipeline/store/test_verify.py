@@ -1,6 +1,7 @@
 """`irg verify` names damage of stores, and one run restores the same bits."""
 
 import itertools
+import math
 import shutil
 from pathlib import Path
 
@@ -115,6 +116,12 @@ def test_damage_of_any_array_is_named_and_one_run_has_the_same_bits(
         assert "damaged points or files, which are computed again" in message
     assert stored(path) == before
     assert pipeline.verify_store(path).is_clean
+
+
+def test_a_result_without_a_value_is_named_at_its_point(long, tmp_path):
+    path = shutil.copytree(long, tmp_path / "tiny.zarr")
+    zarr.open_array(path / path_of("mean_rise"), mode="r+")[:, 0] = math.nan
+    assert reasons(path) == {Point(250.0, 0.5): "mean_rise is missing"}
 
 
 def test_statuses_and_coordinates_are_one_chunk_and_results_are_not(path):
