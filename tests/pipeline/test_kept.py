@@ -16,7 +16,7 @@ from pipeline.figures.style import texts_of
 from pipeline.frames import lines_of
 from pipeline.store.schema import DONE, FAILED, PENDING
 from tests.helpers import synthetic
-from tests.helpers.entries import bare_test
+from tests.helpers.entries import bare_test, rows
 from tests.helpers.kept import assert_as_kept, relative, variables
 from tests.helpers.scenes import SCENE
 from tests.pipeline.answers.test_load_factors import rows_of
@@ -186,6 +186,15 @@ SMALL = {"loads": (200.0, 400.0, 600.0), "velocities": (1.0, 2.0, 4.0)}
 STAGES = {"loading": tribo.Stages(SMALL["loads"], (5.0,) * 3, 150.0)}
 
 
+def two_days():
+    """Plane of two cases, which differ in their bulk temperature."""
+    warm = pipeline.Conditions(**synthetic.CONDITIONS | {"bulk_temperature": 320.0})
+    table = rows("day", {"cold": {}, "warm": {"conditions": warm}})
+    days = xr.DataArray(["cold", "warm"], dims="day", name="day")
+    part = synthetic.sweep(case_table=table, tests=(), **SMALL)
+    return xr.concat([part, part], days, combine_attrs="override")
+
+
 def waiting():
     return synthetic.with_tests(plane(tests=AT_400, **SMALL), status=(DONE, PENDING, FAILED))
 
@@ -205,10 +214,13 @@ ANSWERS = {
     "such heat everywhere": lambda: pipeline.margin(
         plane(**ROLLED, **SMALL), 600.0, 1.0, critical_temperature=330.0
     ),
-    "such heat in rows": lambda: pipeline.margin(rows_of(((180.0, 2.5),), tests=(), **ROLLED)),
+    "such heat in rows": lambda: pipeline.margin(
+        rows_of(((180.0, 2.5), (415.0, 2.0)), tests=(), **ROLLED)
+    ),
     "a load beyond stages, at an unusual friction": lambda: pipeline.margin(
         plane(**SMALL, **STAGES), [300.0, 900.0], [1.0, 1.0], friction=2.0
     ),
+    "conditions that differ": lambda: pipeline.boundary(two_days()),
     "other conditions": lambda: pipeline.margin(
         plane(preset="standard", **SMALL), 300.0, 1.2, critical_area_fraction=0.02
     ),

@@ -5,7 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
+from pipeline.run.line_search import Line
 from pipeline.run.search import Goal
+from tests.helpers.kept import assert_as_kept, some
 from tests.helpers.plane_model import LOADS, PlaneModel, Verdict
 from tests.helpers.search_in_memory import Told
 from tribo import Conditions
@@ -27,11 +29,11 @@ def log_rise_ratio(load, x, generator):
 class Specimen:
     """Rises of realizations in closed form, for a search."""
 
-    def __init__(self, seed, loads=10, scatter=SCATTER, velocities=VELOCITIES):
+    def __init__(self, seed, loads=10, scatter=SCATTER, velocities=VELOCITIES, failing=()):
         self.shape = int(np.random.default_rng([0, seed]).integers(2**31))
         self.loads, self.stated = np.geomspace(200.0, 800.0, loads), scatter
         self.offsets = np.random.default_rng([7, seed]).normal(0.0, scatter, 256)
-        self.failing, self.velocities, self._few = set(), velocities, velocities
+        self.failing, self.velocities, self._few = {*failing}, velocities, velocities
 
     def y(self, load, x, realization=None):
         """ln(rise/limit) of a realization or of the mean of all."""
@@ -190,6 +192,49 @@ def test_few_velocities_become_more_where_the_goal_needs_them():
     assert missed <= 0.1 * found_count
 
 
+FEW = np.geomspace(0.25, 6.0, 5)
+FAILING = [(1, 12), (1, 13), (2, 5), *itertools.product([0], range(99))]  # load and velocity
+SEARCHES = {  # seed, accuracy, the specimen, and the search
+    "one realization": (0, 0.02, {"scatter": 0.0}, {"realizations": 1}),
+    "several realizations": (3, 0.02, {"loads": 4}, {"promised": 0.01}),
+    "surfaces that are given": (4, 0.02, {"loads": 3}, {"realizations": 3, "counts_surface": False}),
+    "few velocities": (1, 0.01, {"loads": 4, "velocities": FEW}, {"promised": 0.0055}),
+    "velocities close together": (
+        2,
+        0.01,
+        {"loads": 9, "scatter": 0.0, "velocities": np.array([1.4, 1.5, 1.6])},
+        {"realizations": 1},
+    ),
+    "a velocity": (4, 0.02, {"loads": 3, "velocities": np.array([1.5])}, {}),
+    "a load": (4, 0.03, {"loads": 1}, {}),
+    "points that fail": (4, 0.02, {"loads": 4, "failing": FAILING}, {"promised": 0.01}),
+    "an accuracy out of reach": (5, 0.01, {"loads": 3}, {"promised": 0.02}),
+    "too few realizations": (5, 0.005, {"loads": 3}, {"realizations": 4}),
+}
+
+
+def test_the_points_of_searches_and_their_ends_are_kept():
+    texts = {}
+    for name, (seed, accuracy, options, more) in SEARCHES.items():
+        specimen, batches = Specimen(seed, **options), []
+        search = specimen.search(accuracy, **more)
+        ask = search.ask
+        search.ask = lambda ask=ask, batches=batches: batches.append(ask()) or batches[-1]
+        specimen.run(search)
+        rows = [" ".join("/".join(map(str, point)) for point in batch) for batch in batches]
+        velocities, critical, errors = map(
+            some, (search.velocities, search.critical, np.sqrt((search.errors**2).sum(axis=0)))
+        )
+        texts[name] = "\n".join([*rows, velocities, critical, errors])
+    assert_as_kept("searches", texts)
+
+
+@pytest.mark.parametrize(("sign", "neighbour"), [(1, 1), (-1, 3)])
+def test_a_point_at_the_limit_is_followed_by_its_neighbour_beyond_the_limit(sign, neighbour):
+    y = np.array([np.nan, np.nan, sign * 1e-7, np.nan, np.nan])
+    assert Line(np.arange(5.0), y).next_velocity(0.0, 0.01) == neighbour
+
+
 def test_without_a_crossing_the_search_ends_after_few_points():
     specimen = Specimen(0)
     for level, end in ((0.01, len(VELOCITIES) - 1), (100.0, 0)):
@@ -222,8 +267,7 @@ def test_surfaces_that_are_given_are_all_taken_and_left_out_of_the_goal():
 
 
 def test_a_load_whose_points_fail_is_given_up_and_others_go_on():
-    specimen = Specimen(4, loads=5)
-    specimen.failing = set(itertools.product([2], range(99)))
+    specimen = Specimen(4, loads=5, failing=itertools.product([2], range(99)))
     search = specimen.search(0.02)
     specimen.run(search)
     assert search.asked[:, 2].sum() == 3

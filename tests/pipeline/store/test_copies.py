@@ -192,7 +192,11 @@ def test_a_point_is_copied_if_it_has_the_fields_that_are_wanted(path, build, com
     axes = {"loads": (150.0,), "velocities": (0.5,)}
     commit_all(path, tiny.full(**axes, case_table=surface_table((3, 4))))
     second, copy = build(**axes, case_table=surface_table((4,))), beside(path, ".copy")
-    outcome = pipeline.run_sweep(second, copy, workers=1, source=path)
+    told = []
+    outcome = pipeline.run_sweep(
+        second, copy, workers=1, source=path, progress=lambda news: told.append(str(news))
+    )
+    assert f"{1 - computed} points are copied from {path}" in told
     assert (outcome.done, outcome.computed) == (1, computed)
     assert verify_store(copy).is_clean
 

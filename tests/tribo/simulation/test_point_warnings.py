@@ -158,6 +158,7 @@ ROWS = [  # kind, scene, function of the scene that makes a state, words of the 
     (STEPS, replace(SMALL, wear=Wear(0.0)), lambda s: reached(s, 1), None),
     (COARSE, replace(correlated(1e-6), pin=replace(SMALL.pin, material=ELASTIC), disk=ELASTIC),
      wide, "0.12 pixels along x"),  # no elements are smaller than pixels
+    (SLOW, replace(FREE_BALL, motion=Motion(slide_roll_ratio=2.0)), at(10.0, 20.0), None),
 ]  # fmt: skip
 
 
