@@ -197,7 +197,12 @@ FAILING = [(1, 12), (1, 13), (2, 5), *itertools.product([0], range(99))]  # load
 SEARCHES = {  # seed, accuracy, the specimen, and the search
     "one realization": (0, 0.02, {"scatter": 0.0}, {"realizations": 1}),
     "several realizations": (3, 0.02, {"loads": 4}, {"promised": 0.01}),
-    "surfaces that are given": (4, 0.02, {"loads": 3}, {"realizations": 3, "counts_surface": False}),
+    "surfaces that are given": (
+        4,
+        0.02,
+        {"loads": 3},
+        {"realizations": 3, "counts_surface": False},
+    ),
     "few velocities": (1, 0.01, {"loads": 4, "velocities": FEW}, {"promised": 0.0055}),
     "velocities close together": (
         2,
