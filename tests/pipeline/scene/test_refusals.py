@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pint
 
 from pipeline import load_scene, new_scene, run_point, to_si
 from pipeline.kinds import LOAD, WORKERS
@@ -110,6 +111,11 @@ def with_law():
     return load_scene("first_try").with_scene(wear=laws.ByPressure())
 
 
+def nested(levels):
+    """A number in lists in lists."""
+    return [nested(levels - 1)] if levels else 1.0
+
+
 FILES = {
     "load header": load(b"time [s],load [N],load [kN]\n0,0,0\n1,5,1\n"),
     "load inf": load(b"time [s],load [N]\n0,0\n\n1,1e999\n"),
@@ -131,6 +137,12 @@ QUANTITIES = {
     "an array": lambda: to_si(np.eye(2), "1 N"),
     "a frame": lambda: LOAD.argument("load", pd.DataFrame({"load": [4.0]})),
     "share": lambda: share_of("ten"),
+    "a long text": lambda: to_si("4" * 300, like="1 m"),
+    "another scale": lambda: to_si("90 HRB", like="6 GPa"),
+    "unreadable unit": lambda: to_si("4 m^^2", like="1 m"),
+    "a type": lambda: LOAD.argument("load", object()),
+    "a complex quantity": lambda: LOAD.argument("load", pint.Quantity(1j, "N")),
+    "nested lists": lambda: LOAD.argument("load", nested(99)),
 }
 
 
@@ -225,6 +237,23 @@ ENTRIES = {
     "scan without a unit": lambda: measured((480, 480), without="disk.roughness.height_unit"),
     # laws in Python
     "track": entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}),
+    "track of a plate and a disc": entry("disk", {
+        "material": "steel", "track_length": "0.3 m", "diameter": "9 mm", "width": "9 mm"},
+        without="disk.roughness"),
+    "half a disc": entry("disk.width", "9 mm"),
+    "narrow disc": entry("disk.diameter", "90 mm", **{"disk.width": "1 mm"}),
+    "disc at rest": entry("pin.diameter", "90 mm", **{"pin.width": "9 mm"}),
+    "realizations of a smooth disk": entry("sweep.realizations", 3, without="disk.roughness"),
+    "listed realizations of a smooth disk": entry("sweep.realizations", [3, 4],
+                                                   without="disk.roughness"),
+    "rsm of finer pixels": entry("disk.roughness.rsm", "3 um",
+                                  without="disk.roughness.correlation_length"),
+    # tests
+    "step of a mild test": entry("tests", [TEST | {"step": "50 N"}]),
+    "long step": entry("tests", [TEST | {"outcome": "transition", "step": "400 N"}]),
+    "entry that tests share": entry("tests", [TEST | {"with": {"oil.like": "vg32"}}]),
+    "entry of a test twice": entry("tests", [
+        TEST | {"friction": 0.2, "with": {"friction.coefficient": 0.3}}]),
     # uncertain inputs
     "no input": uncertain("pin.radios", "5 %"),
     "infinite input": entry("uncertainty", {"materials.steel.hardness": "5 %"},

@@ -74,6 +74,9 @@ REFUSED = [
     "PK\x03\x04\x00\x00xl/workbook.xml",
     HEADS,
     "\x00\x01\x02\x03" * 99,
+    f"{HEADS}{',a' * 999}\n300,1.5{',b' * 999}\n",
+    f"{HEADS},\n300,1.5,2\n",
+    f"{HEADS},{'long ' * 50}\n300,1.5,a\n",
 ]
 
 
@@ -101,12 +104,11 @@ def test_others_are_refused_with_row_and_column_in_words_that_are_kept(tmp_path)
         f"{number}: {text!r:.60}": relative(refusal(points, tmp_path, text), tmp_path)
         for number, text in enumerate(REFUSED)
     }
+    commas, other = "load [N];velocity [m/s]\n1.250;1,5\n", f"{HEADS}\n300,1.5\n"
+    texts["a point where decimals have commas"] = refusal(points, tmp_path, commas, ",")
+    texts["a column that is not there"] = refusal(points, tmp_path, other, ".", "utf-8", ["COF"])
+    texts = {name: relative(text, tmp_path) for name, text in texts.items()}
     assert_as_kept("refusals_of_tables", texts)
-
-
-def test_a_point_where_decimals_have_commas_is_no_thousand(tmp_path):
-    with pytest.raises(InputError, match=r"1.250 has a point, though decimals have commas"):
-        points(tmp_path, "load [N];velocity [m/s]\n1.250;1,5\n", ",")
 
 
 def test_columns_without_a_meaning_are_named_once(tmp_path):

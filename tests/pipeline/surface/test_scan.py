@@ -64,13 +64,26 @@ def test_marks_of_missing_heights_are_holes_and_told(tmp_path):
     zeros = HEIGHTS.copy()
     zeros[:10] = 0.0
     np.save(tmp_path / "b.npy", zeros.T)
-    assert "are exactly 0: write nan" in read(tmp_path / "b.npy")[1][-1]
+    assert read(tmp_path / "b.npy")[1][-1] == (
+        "400 heights are exactly 0: write nan if these are missing"
+    )
 
 
-def test_heights_of_metres_are_refused(tmp_path):
-    np.save(tmp_path / "a.npy", 10 * HEIGHTS)
-    with pytest.raises(InputError, match=r"heights of .* m; give the right unit"):
-        read_scan(tmp_path / "a.npy", 1.0)
+ARRAYS = {
+    "metres": (3.0 * HEIGHTS, 1.0),
+    "a cube": (np.zeros((3, 4, 5)), 1e-6),
+    "words": (np.array([["a", "b"]]), 1e-6),
+    "nothing": (np.zeros((0, 4)), 1e-6),
+    "many": (np.zeros((2**12, 2**12 + 1), np.int8), 1e-6),
+}
+
+
+def test_arrays_that_are_no_heights_are_refused_in_words_that_are_kept(tmp_path):
+    texts = {}
+    for name, (array, unit) in ARRAYS.items():
+        np.save(tmp_path / "a.npy", array)
+        texts[name] = relative(refusal(read_scan, tmp_path / "a.npy", unit), tmp_path)
+    assert_as_kept("refusals_of_arrays", texts)
 
 
 ROWS = "\n".join(" ".join(f"{z:.4f}" for z in row) for row in HEIGHTS.T)
@@ -87,6 +100,10 @@ OTHER_FILES = [
     b"\x93NUMPY\x01",
     b"\x89PNG" + bytes(9),
     b"",
+    b'"-0,1234" "0,2345"\n' * 20,
+    b"1.234;5.678\n" * 20,
+    b"1,,2\n3,,4\n",
+    b"-1,1234567,2\n" * 20,
 ]
 
 
