@@ -194,9 +194,10 @@ def test_a_report_of_any_sweep_is_sound(reports, name):
 
 
 def test_reports_read_as_they_are_kept(reports):
-    months, texts = re.compile("|".join(calendar.month_name[1:])), {}
+    texts, date = {}, re.compile(rf"\d\d ({'|'.join(calendar.month_name[1:])}) \d{{4}}")
     for name, text in reports.items():
-        page = Page(months.sub("(month)", text))
+        assert len(date.findall(text)) == 1
+        page = Page(date.sub("(date)", text))
         captions = [image["alt"] for image in page.attributes_of("img")]
         lines = filter(str.strip, page.words.splitlines())
         texts[name] = "\n".join([*lines, "pictures:", *captions])
