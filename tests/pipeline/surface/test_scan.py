@@ -5,7 +5,6 @@ import pytest
 
 from pipeline.surface.scan import read_scan
 from tests.helpers.kept import assert_as_kept, refusal, relative
-from tribo import InputError
 
 HEIGHTS = np.random.default_rng(5).normal(0.0, 0.3, (48, 40))  # µm
 X = 0.5 * np.arange(600)
