@@ -135,6 +135,7 @@ REFUSALS = {
     "foreign": foreign,
     "scene": lambda: of_file("a.toml"),
     "text": lambda: of_file("a.txt"),
+    "folder of stores": lambda: summary(Path("tiny.zarr").resolve().parent),
     "address": lambda: commit("http://a/b.zarr", SWEEP, ()),
     # locks
     "link": changed(lambda path: lock_of(path).symlink_to(path), go_on),

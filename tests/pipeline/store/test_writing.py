@@ -15,6 +15,7 @@ from pipeline.store.status import FailedPoint
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
+from tests.helpers.kept import refusal
 from tests.helpers.points import run_point
 from tests.helpers.reported import Heard
 from tests.helpers.stores import (
@@ -182,10 +183,10 @@ def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(begun, replaced):
         lock_of(begun).unlink()
         if replaced:
             lock_of(begun).touch()
-        with pytest.raises(
-            StoreError, match=rf"the lock file \({lock_of(begun)}\) was deleted or replaced"
-        ):
-            store.commit([record(Point(150.0, 0.5))])
+        assert refusal(store.commit, [record(Point(150.0, 0.5))]) == (
+            f"{begun}: the lock file ({lock_of(begun)}) was deleted or replaced. The run stops, "
+            "because another one may be writing; finished points are saved. Run the command again"
+        )
         commit(begun, SWEEP, [Point(600.0, 0.5)])  # committed by another run
         with pytest.raises(StoreError, match="Run the command again"):
             store.forget([POINT])
