@@ -161,6 +161,7 @@ REFUSALS = {
     "columns": lambda: MeasuredLoad([0.0, 1.0], [1.0]),
     "a single reading": lambda: MeasuredLoad([0.0], [1.0]),
     "row": lambda: MeasuredLoad([0.0, 0.0], [0.0, 1.0]),
+    "reading": lambda: MeasuredLoad([0.0, 1.0, INFINITE], [0.0, 1.0, 2.0]),
     "no rise": lambda: MeasuredLoad([0.0, 1.0], [5.0, 5.0]),
     "record load": lambda: list(MeasuredLoad([0.0, 1.0], [0.0, 1.0]).load_steps(0.0, 9)),
     # contact

@@ -73,7 +73,11 @@ def test_a_hardly_worn_sharp_pin_warns_of_hot_ends_and_a_relieved_one_does_not()
         scene = replace(SCENE, pin=pin, pixels=pixels, loading=loading, wear=wear)
         texts.append([warning.text for warning in tribo.warnings(scene, end(scene, 560.0))])
     (text,) = texts[0]
-    assert "an end of 0.4 mm of the pin has a rise 13 % above that of the whole pin" in text
+    assert text == (
+        "on the hottest tenth of its contact, an end of 0.4 mm of the pin has a rise 13 % above "
+        "that of the whole pin, by which the verdict is given; wear becomes severe there first: "
+        "relieve the ends, or let them wear"
+    )
     assert texts[1] == []
 
 
