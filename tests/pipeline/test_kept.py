@@ -81,6 +81,11 @@ IN_TURN = [
     f'infer small.toml {POINT} --contact-width "0.2 mm"',
     "plot a.zarr",
     "run rows.toml -o b.zarr -j 1",
+    f"point rows.toml {POINT}",
+    'run small.toml --set without=\'["temperature.critical", "tests", "uncertainty"]\' '
+    "--set sweep.loads='[\"200 N\"]' --set sweep.velocities='[\"1 m/s\"]' -o c.zarr -j 1",
+    "boundary c.zarr",
+    "plot c.zarr",
     "boundary b.zarr",
     "plot b.zarr",
     f"report a.zarr {POINT} -o a.html",
@@ -93,6 +98,7 @@ CHECKS = [
     "first_try --set sweep.loads='[\"900 N\"]' --set wear.pattern=local",
     "first_try --set without=wear --set disk.roughness.correlation_length='200 um'",
     "first_try --set friction.coefficient=1.5 --set without=friction.band",
+    "first_try --set friction.coefficient=0 --set without=friction.band",
     "first_try --set materials.steel.hardness='50 GPa' --set pin.radius='2 m'",
     "first_try --set loading.rate='0.01 N/s'",
     "first_try --set motion.slide_roll_ratio=0.5 --set uncertainty.\\\"pin.radius\\\"='30 %'",
@@ -204,6 +210,20 @@ ANSWERS = {
     "a film at a point": lambda: pipeline.margin(filmed(**SMALL), 400.0, 2.1),
     "no boundary": lambda: pipeline.boundary(plane(**SMALL), critical_temperature=900.0),
     "tests that wait": lambda: pipeline.margin(waiting(), 300.0, 1.5),
+    "a test that failed": lambda: pipeline.margin(
+        synthetic.with_tests(plane(tests=AT_400[:1], **SMALL), status=FAILED), 300.0, 1.5
+    ),
+    "places outside": lambda: pipeline.margin(
+        plane(**SMALL), [900.0, 1000.0, 300.0, 300.0], [1.0, 1.0, 9.0, 2.0]
+    ),
+    "too few points": lambda: pipeline.margin(
+        plane(**SMALL, status=dict.fromkeys([(400.0, 2.0), (400.0, 4.0)], PENDING)),
+        [300.0, 400.0],
+        [1.0, 4.0],
+    ),
+    "a critical temperature of tests, and another": lambda: pipeline.margin(
+        plane(tests=AT_400, **FROM_TESTS, **SMALL), 300.0, 1.5, critical_temperature=420.0
+    ),
     "only mild tests": lambda: pipeline.margin(
         plane(tests=AT_400[:1], **FROM_TESTS, **SMALL), 200.0, 1.0
     ),
@@ -243,4 +263,6 @@ def test_answers_read_as_they_are_kept():
     flags = xr.where((ds["load"] == 400) & (ds["velocity"] == 2), 3, 0)
     warned = pipeline.points_with_warnings(ds.assign(warning_flags=flags)).lines()
     texts = {name: said(make()) for name, make in ANSWERS.items()}
-    assert_as_kept("answers", texts | {"a point with warnings": "\n".join(warned)})
+    outside = point_lines(pipeline.margin(ds, 900.0, 1.5))
+    further = {"a point with warnings": "\n".join(warned), "a place outside": "\n".join(outside)}
+    assert_as_kept("answers", texts | further)

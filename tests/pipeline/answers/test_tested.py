@@ -248,7 +248,10 @@ def test_tests_that_give_the_critical_temperature_are_left_out_under_another_one
     assert pipeline.margin(ds, 400.0, 2.0).attrs["tests"] == 2
     given = pipeline.margin(ds, 400.0, 2.0, critical_temperature="145 °C")
     assert given.attrs["tests"] == 0
-    assert "the scene infers its critical temperature from them" in given.attrs["notes"]
+    assert (
+        "the tests are left out: the scene infers its critical temperature from them, and another "
+        "one is given"
+    ) in given.attrs["notes"]
 
 
 @pytest.mark.parametrize(
@@ -274,6 +277,7 @@ def test_a_test_that_the_others_make_unlikely_is_named():
     slip = at(-1.0, "severe", number="slip")
     (outlier,) = pipeline.boundary(swept(*tests, slip)).attrs["outliers"].split(" | ")
     assert outlier.startswith("outlier: test slip (severe, 400 N, ")
+    assert outlier.endswith(" m/s), predicted from the other tests with less than 1 %")
     assert pipeline.boundary(swept(*tests)).attrs["outliers"] == ""
 
 

@@ -13,7 +13,10 @@ from tribo import InputError
 
 RISES = "rise_quantile", "mean_rise", "max_rise"
 LOAD, VELOCITY = 300.0, 1.0
-NOTE = "the rises of the dataset were changed, but not those of the tests"
+NOTE = (
+    "the rises of the dataset were changed, but not those of the tests, which are a group of "
+    "their own; without_tests=True leaves the tests out"
+)
 
 
 @pytest.fixture

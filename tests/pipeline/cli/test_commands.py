@@ -59,7 +59,7 @@ def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, irg):
     output = irg("run", tmp_path / "heavy.toml", *arguments, code=1)
     assert "6 of 9 points done" in output
     assert output.count("failed: 7e+06 N") == 3
-    assert "to simulate failed points again, add --retry-failed" in output
+    assert "\nto simulate failed points again, add --retry-failed to the command\n" in output
 
 
 def test_status_and_verify_count_the_points_of_the_dataset(store, tmp_path, irg):

@@ -5,6 +5,7 @@ import pytest
 import pipeline
 from pipeline.figures.style import texts_of
 from tests.helpers.kept import assert_as_kept
+from tests.helpers.reported import Heard
 
 SMALL = {
     "without": ["tests"],
@@ -20,7 +21,7 @@ SMALL = {
 def measured(tmp_path_factory):
     out = tmp_path_factory.mktemp("trade") / "trade.zarr"
     scene = pipeline.load_scene("first_try", overrides=SMALL)
-    outcomes = []
+    outcomes, heard = [], Heard()
 
     def run_sweep(*arguments, **options):
         outcomes.append(pipeline.run_sweep(*arguments, **options))
@@ -28,12 +29,13 @@ def measured(tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.setattr("pipeline.run.trade.run_sweep", run_sweep)
-        trade = pipeline.trade(scene, out, accuracies=(0.2, 0.1), workers=1)
-    return trade, out, outcomes
+        options = {"accuracies": (0.2, 0.1), "workers": 1, "progress": heard.hear}
+        trade = pipeline.trade(scene, out, **options)
+    return trade, out, outcomes, heard
 
 
 def test_smaller_errors_cost_more_and_go_on_in_one_store(measured):
-    trade, out, outcomes = measured
+    trade, out, outcomes, _ = measured
     first, second = trade.runs
     assert second.error <= 0.1
     assert first.error <= 0.2
@@ -71,4 +73,5 @@ def test_the_words_of_a_trade_are_kept(measured):
     trade = measured[0]
     heading, *_, last = str(trade).splitlines()
     figure = "\n".join(texts_of(pipeline.plot(trade)))
-    assert_as_kept("trade", {"table": f"{heading}\n{last}", "figure": figure})
+    heard = "\n".join(measured[-1])
+    assert_as_kept("trade", {"table": f"{heading}\n{last}", "figure": figure, "progress": heard})
