@@ -157,7 +157,7 @@ class Line:
 
 
 def _sagitta(x: Array, grid: Array) -> Array:
-    """Distance of a curve of curvature 1 from its chord; outside the points, that from them."""
+    """Sagitta of a chord at a second derivative of 1; outside the points, distance from them."""
     last = np.searchsorted(x, grid).clip(1, len(x) - 1)
     inside = (grid - x[last - 1]) * (x[last] - grid) / 2
     beyond = np.maximum(x[0] - grid, grid - x[-1])

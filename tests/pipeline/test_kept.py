@@ -216,7 +216,7 @@ ANSWERS = {
     "places outside": lambda: pipeline.margin(
         plane(**SMALL), [900.0, 1000.0, 300.0, 300.0], [1.0, 1.0, 9.0, 2.0]
     ),
-    "too few points": lambda: pipeline.margin(
+    "points that are not done": lambda: pipeline.margin(
         plane(**SMALL, status=dict.fromkeys([(400.0, 2.0), (400.0, 4.0)], PENDING)),
         [300.0, 400.0],
         [1.0, 4.0],

@@ -34,6 +34,7 @@ class Specimen:
         self.loads, self.stated = np.geomspace(200.0, 800.0, loads), scatter
         self.offsets = np.random.default_rng([7, seed]).normal(0.0, scatter, 256)
         self.failing, self.velocities, self._few = {*failing}, velocities, velocities
+        self.batches = []  # of the last search that was run
 
     def y(self, load, x, realization=None):
         """ln(rise/limit) of a realization or of the mean of all."""
@@ -54,8 +55,9 @@ class Specimen:
 
     def run(self, search, known=None):
         """Return all requested points in order, or the first batch with a point not in `known`."""
-        points = []
+        points, self.batches = [], []
         while batch := search.ask():
+            self.batches.append(batch)
             if known is not None and not known.issuperset(batch):
                 return batch
             assert not search.asked[tuple(np.array(batch).T)].any()  # nothing twice
@@ -142,14 +144,11 @@ def test_a_goal_takes_further_realizations_if_one_does_not_state_how_they_differ
 
 
 def test_a_load_gets_a_second_realization_before_any_other():
-    specimen, batches = Specimen(4, loads=4), []
+    specimen = Specimen(4, loads=4)
     specimen.stated = np.nan
-    search = specimen.search(0.03, freedom=0.0)
-    ask = search.ask
-    search.ask = lambda: batches.append(ask()) or batches[-1]
-    specimen.run(search)
+    specimen.run(specimen.search(0.03, freedom=0.0))
     further = {}
-    for batch in batches:
+    for batch in specimen.batches:
         numbers = {
             load: {point.realization for point in batch if point.load == load}
             for load in {point.load for point in batch if point.realization}
@@ -221,12 +220,11 @@ SEARCHES = {  # seed, accuracy, the specimen, and the search
 def test_the_points_of_searches_and_their_ends_are_kept():
     texts = {}
     for name, (seed, accuracy, options, more) in SEARCHES.items():
-        specimen, batches = Specimen(seed, **options), []
-        search = specimen.search(accuracy, **more)
-        ask = search.ask
-        search.ask = lambda ask=ask, batches=batches: batches.append(ask()) or batches[-1]
-        specimen.run(search)
-        rows = [" ".join("/".join(map(str, point)) for point in batch) for batch in batches]
+        specimen = Specimen(seed, **options)
+        specimen.run(search := specimen.search(accuracy, **more))
+        rows = [
+            " ".join("/".join(map(str, point)) for point in batch) for batch in specimen.batches
+        ]
         velocities, critical, errors = map(
             some, (search.velocities, search.critical, np.sqrt((search.errors**2).sum(axis=0)))
         )

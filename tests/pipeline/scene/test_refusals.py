@@ -235,7 +235,7 @@ ENTRIES = {
     "long list": entry("sweep.velocities", [f"{k + 1} m/s" for k in range(5001)]),
     "scan": lambda: measured((48, 20), **{"window.pixels": [48, 20]}),
     "scan without a unit": lambda: measured((480, 480), without="disk.roughness.height_unit"),
-    # laws in Python
+    # tracks, discs and surfaces
     "track": entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}),
     "track of a plate and a disc": entry("disk", {
         "material": "steel", "track_length": "0.3 m", "diameter": "9 mm", "width": "9 mm"},

@@ -18,6 +18,7 @@ from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
+from tests.helpers.reported import Heard
 from tests.helpers.stores import (
     Killed,
     assert_is_as_computed,
@@ -192,11 +193,9 @@ def test_a_point_is_copied_if_it_has_the_fields_that_are_wanted(path, build, com
     axes = {"loads": (150.0,), "velocities": (0.5,)}
     commit_all(path, tiny.full(**axes, case_table=surface_table((3, 4))))
     second, copy = build(**axes, case_table=surface_table((4,))), beside(path, ".copy")
-    told = []
-    outcome = pipeline.run_sweep(
-        second, copy, workers=1, source=path, progress=lambda news: told.append(str(news))
-    )
-    assert f"{1 - computed} points are copied from {path}" in told
+    heard = Heard()
+    outcome = pipeline.run_sweep(second, copy, workers=1, source=path, progress=heard.hear)
+    assert f"{1 - computed} points are copied from {path}" in heard
     assert (outcome.done, outcome.computed) == (1, computed)
     assert verify_store(copy).is_clean
 
