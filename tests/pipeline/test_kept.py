@@ -3,6 +3,7 @@
 import re
 import shlex
 from functools import partial
+from itertools import product
 
 import xarray as xr
 
@@ -177,6 +178,8 @@ def test_variables_of_answers_read_as_they_are_kept():
         "tests": pipeline.compare_tests(tested),
         "temperatures": pipeline.temperatures(ds),
         "critical temperature": pipeline.infer(tested),
+        "boundary with a film": pipeline.boundary(filmed(**SMALL)),
+        "rows with load factors": pipeline.margin(rows_of(((180.0, 2.5), (250.0, 1.5)))),
     }
     texts = {name: variables(answer) for name, answer in answers.items()}
     assert_as_kept("variables_of_answers", texts)
@@ -189,6 +192,7 @@ FROM_TESTS = {
 }
 ROLLED = {"motion": tribo.Motion(slide_roll_ratio=0.5, pin_track_length=0.3, disk_track_length=0.4)}
 SMALL = {"loads": (200.0, 400.0, 600.0), "velocities": (1.0, 2.0, 4.0)}
+FIRST_DONE = {(200.0, 1.0): DONE}
 STAGES = {"loading": tribo.Stages(SMALL["loads"], (5.0,) * 3, 150.0)}
 
 
@@ -220,6 +224,11 @@ ANSWERS = {
         plane(**SMALL, status=dict.fromkeys([(400.0, 2.0), (400.0, 4.0)], PENDING)),
         [300.0, 400.0],
         [1.0, 4.0],
+    ),
+    "too few points": lambda: pipeline.margin(
+        plane(**SMALL, status=dict.fromkeys(product(*SMALL.values()), PENDING) | FIRST_DONE),
+        [200.0, 300.0],
+        [1.0, 1.5],
     ),
     "a critical temperature of tests, and another": lambda: pipeline.margin(
         plane(tests=AT_400, **FROM_TESTS, **SMALL), 300.0, 1.5, critical_temperature=420.0

@@ -17,8 +17,8 @@ def entry(path, value):
     return lambda: load_scene("first_try", overrides={path: value})
 
 
-def scan(unit):
-    roughness = {"file": "a.npy", "height_unit": unit}
+def scan(unit, **more):
+    roughness = {"file": "a.npy", "height_unit": unit} | more
     overrides = {"without": ["disk.roughness"], "disk.roughness": roughness}
     return lambda: load_scene("first_try", overrides=overrides)
 
@@ -39,6 +39,7 @@ REFUSALS = {
     "step": entry("tests", [{"load": "4 N", "velocity": "1 m/s", "outcome": "transition",
                               "step": "3 mm"}]),
     "height unit": scan("parsnip"),
+    "flag": scan("um", mirror="yes"),
 }  # fmt: skip
 
 refusals, test_each_is_one_line, test_all_read_as_they_are_kept, test_all_are_here = refusal_tests(

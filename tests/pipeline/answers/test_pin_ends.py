@@ -51,6 +51,8 @@ def test_the_end_is_as_hot_as_the_fields_of_the_point_say(store, share):
     answer = pipeline.margin(store, **POINT, critical_area_fraction=share)
     bulk, pin = 298.15, answer["governing_temperature"].item()
     assert ratio > 1.04
+    meaning = answer["end_temperature"].attrs["long_name"]
+    assert meaning == "governing temperature of the hottest end of the pin alone"
     assert answer["end_temperature"].item() == pytest.approx(bulk + ratio * (pin - bulk), abs=0.05)
 
 

@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
@@ -31,6 +32,17 @@ def test_a_check_says_what_a_scene_means(check):
     assert "repeats along y; pin ends: not modelled" in output
     assert "warning" not in rows
     assert {"contact", "window", "surface", "motion", "wear", "heat", "points", "time"} < {*rows}
+
+
+def test_the_roughness_of_a_curved_scan_is_told_without_its_curvature(check, tmp_path):
+    x = np.linspace(-100e-6, 100e-6, 80)
+    heights = np.random.default_rng(0).normal(0.0, 1e-8, (60, 80)) - x**2 / 0.2
+    np.save(tmp_path / "a.npy", heights)
+    scan = f'disk.roughness={{ file = "{tmp_path}/a.npy", height_unit = "m" }}'
+    window = "window.pixels=[80, 60]", 'window.pixel_size=["2.532 um", "2.532 um"]'
+    settings = "without=disk.roughness", scan, *window
+    output = check(*(part for setting in settings for part in ("--set", setting)))
+    assert "; Ra and Rq exclude the curvature, R 100 mm along x;" in " ".join(output.split())
 
 
 @pytest.mark.parametrize("options", [(), ("--set", "model.rise=0")])

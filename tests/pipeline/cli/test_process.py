@@ -147,6 +147,9 @@ def test_a_figure_that_cannot_be_written_is_refused_first(tmp_path, irg, monkeyp
     monkeypatch.setattr("tribo.simulation.contact_ramp.advance", fail)
     out = tmp_path / "nowhere" / "figure.png"
     assert f"cannot write {out}" in irg("trade", tmp_path / "small.toml", "-o", out, code=2)
+    (folder := tmp_path / "figure.png").mkdir()
+    words = f"cannot write {folder}: it is a folder, or it or its folder is not writable"
+    assert words in irg("trade", tmp_path / "small.toml", "-o", folder, code=2)
 
 
 def test_a_run_on_a_terminal_has_a_line_that_changes_and_a_stage_without_a_total_none(

@@ -28,6 +28,11 @@ from tribo import InputError
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror=alert(2)> & 'a'"
 VOID = {"meta", "img", "source", "br", "link"}
 TESTS = (bare_test(250.0, 1.5, outcome="mild"), bare_test(500.0, 3.0, outcome="severe"))
+RULING = (
+    *synthetic.MEASURED,
+    bare_test(300.0, 1.0, outcome="severe", bulk_temperature=280.0),
+    *(bare_test(200.0, 3.0, outcome="mild", number=f"m{k}") for k in range(12)),
+)
 
 
 class Page(HTMLParser):
@@ -174,6 +179,7 @@ REPORTS = {
     "one load": (lambda: plane(loads=(300.0,)), {"load": 300.0, "velocity": 1.5}),
     "custom settings": (lambda: plane(preset=None), {}),
     "a row": (plane, {"points": ONE_ROW}),
+    "tests that rule out": (lambda: plane(velocities=(0.5, 1.0, 2.0, 4.0), tests=RULING), {}),
 }
 
 
@@ -211,8 +217,9 @@ def test_an_operating_point_at_the_ends_of_the_sweep_is_marked_in_the_diagram():
 
 
 def test_a_report_has_a_point_or_a_table_of_points():
+    words = "^give a load and a velocity, or a table of points, or neither$"
     for places in ({"load": 400.0}, {"load": 400.0, "velocity": 1.0, "points": ONE_ROW}):
-        with pytest.raises(InputError, match="a load and a velocity, or a table of points, or nei"):
+        with pytest.raises(InputError, match=words):
             pipeline.report(plane(), **places)
 
 
@@ -221,7 +228,7 @@ def test_a_report_of_rows_under_several_conditions_or_for_several_pins_is_refuse
         (
             plane(),
             {"friction": [0.1, 0.2]},
-            r"along one dimension, not along \['friction', 'place'",
+            r"^a report has rows along one dimension, not along \['friction', 'place'",
         ),
         (two_pins(), {}, "the sweep has several cases; select one by pin_radius"),
     ):
@@ -259,7 +266,7 @@ def test_a_report_has_the_scene_with_all_that_it_extends(undrawn, sweep):
 
 
 def test_a_report_states_why_a_verdict_is_withheld(undrawn):
-    mild = [bare_test(400.0, 1.4, outcome="mild", number=f"m{k}") for k in range(40)]
+    mild = [bare_test(400.0, 1.4, outcome="mild", number=f"m{k}") for k in range(12)]
     severe = bare_test(300.0, 0.9, outcome="severe", number="weak")
     withheld = synthetic.sweep(tests=(*mild, severe))
     page = checked(pipeline.report(withheld, 300.0, 0.95))

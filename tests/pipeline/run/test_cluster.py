@@ -12,6 +12,7 @@ import time
 import urllib.error
 import urllib.request
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -25,10 +26,12 @@ from distributed.scheduler import KilledWorker
 from distributed.utils import CancelledError
 
 from pipeline import ExecutionError, run_point, run_sweep, summary, verify_store
+from pipeline.run import cluster as cluster_module
 from pipeline.run import drive, work
 from pipeline.run.cluster import CONFIGURATION, ENVIRONMENT, Watch, client_of, connected
 from pipeline.run.work import PROGRAM, _hash_of_code
 from tests.helpers import tiny
+from tests.helpers.kept import refusal
 from tests.helpers.reported import Heard
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
@@ -39,6 +42,13 @@ SWEEP = tiny.full()
 SHORT = tiny.sweep(velocities=(1.0,))
 SLOW = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
 MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
+SAVED = "finished points are saved; run the sweep again to continue$"
+LOST = f"^the connection to the Dask scheduler is lost; {SAVED}"
+INSTALL = f"install the same version on both sides and restart the workers; {SAVED}"
+DEADLY = (
+    "3 workers died with this point, the last one with no other; if the memory of a worker was too "
+    "small, use fewer workers, or reduce window.pixels"
+)
 
 
 @contextmanager
@@ -152,14 +162,18 @@ def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(elsew
     with dask.config.set(configured), client_of(cluster.address) as client:
         client.wait_for_workers(1)
         client.run(lambda: setattr(work, "PROGRAM", work.PROGRAM._replace(code="theirs")))
-        with pytest.raises(ExecutionError, match=rf"tls://127.*theirs.*{PROGRAM.code}"):
+        words = (
+            r"^tls://127\S+ has another version of tribo and pipeline \(hash theirs\) than this "
+            rf"program \({PROGRAM.code}\); {INSTALL}"
+        )
+        with pytest.raises(ExecutionError, match=words):
             run_sweep(SHORT, tmp_path / "out.zarr", client=client)
         for ask, who in (
             (client.run, "a Dask worker cannot run"),
             (client.run_on_scheduler, "the Dask scheduler cannot read tasks of"),
         ):
             ask(lambda: sys.modules.update({"pipeline.run.work": None}))
-            with pytest.raises(ExecutionError, match=f"{who} {missing_module}"):
+            with pytest.raises(ExecutionError, match=f"^{who} {missing_module}.*; {INSTALL}"):
                 run_sweep(SHORT, tmp_path / "out.zarr", client=client)
             ask(lambda: sys.modules.pop("pipeline.run.work"))
     assert summary(tmp_path / "out.zarr").done == 0
@@ -173,7 +187,7 @@ def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
     for how in (signal.SIGSTOP, signal.SIGKILL):
         path = tmp_path / f"{how}.zarr"
         lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
-        lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are sa")
+        lost = pytest.raises(ExecutionError, match=LOST)
         with dask.config.set(configured), client_of(cluster.address) as client, lost:
             run_sweep(SLOW, path, client=client, progress=lose, patience=5.0)
         assert summary(path).done
@@ -242,7 +256,8 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, tiny_store
         outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
         dependencies = dict(tasks.below)
         for _ in range(2):  # workers are lost during the run, then missing from its start
-            with pytest.raises(ExecutionError, match="no Dask worker accepts tasks within 1 s"):
+            words = rf"^no Dask worker accepts tasks within 1 s \(.+\); {SAVED}"
+            with pytest.raises(ExecutionError, match=words):
                 run_sweep(
                     MANY,  # too many to be done meanwhile
                     tmp_path / "later.zarr",
@@ -259,6 +274,18 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, tiny_store
         f"point-{load:g}N-{velocity:g}ms" for load, velocity in coordinates
     }
     assert sum(map(len, dependencies_by_point.values())) == 0
+
+
+def test_workers_that_do_not_start_are_one_error(path, monkeypatch):
+    def refused(**settings):
+        raise AssertionError
+
+    monkeypatch.setattr(cluster_module, "LocalCluster", refused)
+    assert refusal(partial(run_sweep, SHORT, path, workers=2)) == (
+        "the worker processes did not start: none connected; memory, threads or processes may be "
+        "limited (ulimit -a): use fewer workers. In a script, call run_sweep under "
+        'if __name__ == "__main__":, because workers import it'
+    )
 
 
 def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
@@ -307,7 +334,7 @@ HUNGRY = tiny.sweep(loading=Hungry(150.0, 750.0, faulty_load=250.0), velocities=
 
 
 def test_a_client_that_is_closed_ends_a_run_with_one_error(path):
-    lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are")
+    lost = pytest.raises(ExecutionError, match=LOST)
     with local_cluster(2) as (_, client), lost:
         run_sweep(MANY, path, client=client, progress=when_done(client.close), patience=5.0)
     assert 0 < summary(path).done < len(MANY.loads) * 60
@@ -349,14 +376,14 @@ def test_a_point_that_takes_all_memory_fails_alone(path, monkeypatch):
         outcome = run_sweep(HUNGRY, path, client=client)
     (failed,) = outcome.failed
     assert (failed.load, outcome.done) == (250.0, 2)
-    assert "if the memory of a worker was too small, use fewer workers" in failed.message
+    assert failed.message == DEADLY
 
 
 def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
     deadly = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0)
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=(1.0,)), path, workers=2)
     (failed,) = outcome.failed
-    assert failed.message.startswith("3 workers died with this point, the last one with no other")
+    assert failed.message == DEADLY
     assert (failed.load, outcome.done) == (250.0, 2)
     assert verify_store(path).is_clean
     with xr.open_zarr(path, chunks=None) as ds:

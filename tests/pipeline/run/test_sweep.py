@@ -107,7 +107,10 @@ def test_other_conditions_of_the_scene_are_told(copy):
     for _ in range(2):
         run_sweep(warmer, copy, progress=messages.hear)
     assert len(messages) == 1  # only one: the store then has the new entries
-    assert "friction.coefficient: 0.1 in the store, 0.12 in the scene" in messages[0]
+    assert messages[0] == (
+        f"the conditions in {copy} are replaced by those of the scene: friction.coefficient: 0.1 "
+        "in the store, 0.12 in the scene"
+    )
 
 
 def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):

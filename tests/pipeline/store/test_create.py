@@ -240,6 +240,13 @@ def test_the_store_of_another_scene_is_refused_key_by_key(tiny_store):
     assert contents(tiny_store) == before
 
 
+def test_the_store_of_a_goal_says_how_to_extend_it(path):
+    with writing(path, several(), accuracy=0.025):
+        pass
+    message = refusal(commit, path, several(increments=7), ())
+    assert message.splitlines()[-1] == "  to extend the store: irg run SCENE --accuracy 2.5%"
+
+
 MISFITS = {
     "fields later": ({}, {"fields": True}),
     "other steps": ({}, {"steps": "end"}),

@@ -36,8 +36,19 @@ def test_a_scene_takes_an_area_levelled_and_filled(scene):
     expected = filled(part, 0.1)
     np.testing.assert_array_equal(sweep.scene.roughness.array, expected)
     assert expected[6, 8] == pytest.approx(expected[[5, 7, 6, 6], [8, 8, 7, 9]].mean())
-    with pytest.raises(SceneFileError, match=r"at most 0\.01 % are filled"):
+    words = (
+        r"2 of 1280 heights \(0\.16 %\) are missing, the first at x 6, y 8 \(counted from 0\); "
+        r"at most 0\.01 % are filled; measure again, or allow more \(missing\)$"
+    )
+    with pytest.raises(SceneFileError, match=words):
         scene((40, 32), holed, missing=0.0001)
+
+
+def test_a_curvature_that_is_removed_is_told(scene):
+    along_x = SIDES[0] * np.arange(48.0)
+    curved = HEIGHTS / 1000 - along_x[:, None] ** 2 / 2e-3
+    *_, note = scene(heights=curved, level=True).notes
+    assert note.text == "disk.roughness.file: curvature removed: R 1 mm along x"
 
 
 @pytest.mark.parametrize("share", [0.02, 0.5])
@@ -61,8 +72,12 @@ def test_realizations_of_a_scan_are_its_areas(scene):
     assert [dict(case.name)["realization"] for case in listed.cases] == [2, 5]
     assert listed.scene == listed.cases[0].scene == sweep.cases[2].scene
     assert sweep.take_surface(4).scene == sweep.cases[4].scene
+    words = (
+        "the scan has 6 areas of 14 × 18 heights, numbered from 0; there is no area 6: give fewer "
+        r"sweep\.realizations, or fewer window\.pixels$"
+    )
     for numbers in (7, [0, 6]):
-        with pytest.raises(SceneFileError, match=r"has 6 areas .* there is no area 6"):
+        with pytest.raises(SceneFileError, match=words):
             scene((14, 18), realizations=numbers)
 
 
