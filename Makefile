@@ -48,7 +48,7 @@ test: .venv/test      ## style, types, import rules, the test suite; prints the 
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 \
-	    $(BIN)/python -m pytest --numprocesses 6 --dist loadfile --no-loadscope-reorder --durations=25
+	    $(BIN)/python -m pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder --durations=25
 	$(BIN)/python -m tests.sources
 
 lowest:               ## install the lowest versions that are declared, and run the test suite
