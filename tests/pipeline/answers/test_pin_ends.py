@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.answers.facts import fact_lines
 from tests.helpers.stores import commit_all
 
 SHARP = {
@@ -71,6 +72,15 @@ def test_a_margin_warns_of_an_end_that_is_severe_where_the_whole_pin_is_mild(sto
         "the whole pin is mild; relieve the ends, or let them wear"
     ) in between
     assert "the hottest end of the pin is above" not in above
+
+
+def test_an_end_that_is_cooler_than_the_pin_is_told(store):
+    answer = pipeline.margin(store, **POINT)
+    end = answer["governing_temperature"] - 3.0
+    facts_of_end = fact_lines(answer.assign(end_temperature=end), "hottest end of the pin")
+    assert facts_of_end == [
+        f"hottest end of the pin: {end.item() - 273.15:.4g} °C, 3 K below the whole pin"
+    ]
 
 
 def test_a_boundary_states_the_temperature_of_the_hottest_end(store, irg):

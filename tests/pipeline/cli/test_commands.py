@@ -86,6 +86,11 @@ def test_status_and_verify_count_the_points_of_the_dataset(store, tmp_path, irg)
     assert f"{np.count_nonzero(flags)} points carry" in output
     assert irg("verify", copy, "--json")["points"] == {"done": 7, "damaged": 0}
     assert "points: 7 done and undamaged, 0 damaged" in irg("verify", copy)
+    for chunk in (copy / "wall_time").glob("c.*"):
+        chunk.write_bytes(b"")
+    output = irg("status", copy, code=1)
+    assert "9 points: 7 done, 1 failed, 1 pending" in output
+    assert f"points with warnings could not be counted: {copy}" in output
 
 
 def both(irg, folder, *words):

@@ -171,6 +171,8 @@ def test_what_a_process_of_another_host_left_is_not_taken_until_somebody_deletes
     assert lock_of(begun).read_text() == "process 7 on node7\n"
     assert contents(begun) == before
     assert "running: process 7 on node7" in irg("status", begun)
+    (row,) = irg("status", begun, "--json")
+    assert row["state"] == "running now, 1 done, 0 failed, 8 pending"
     lock_of(begun).unlink()
     commit(begun, SWEEP, [OTHER])
     assert_is_as_computed(begun, [POINT, OTHER])
