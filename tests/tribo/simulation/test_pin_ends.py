@@ -1,6 +1,7 @@
 """A cylinder in a window as long as it is, with free ends."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -104,3 +105,15 @@ def test_a_pin_under_free_ends_wears_by_the_disk_at_many_positions():
     depth = state.wear_depth[rows] - state.wear_depth[rows].mean(axis=1, keepdims=True)
     heights = SCENE.heights()[rows] - SCENE.heights()[rows].mean(axis=1, keepdims=True)
     assert abs(np.corrcoef(depth.ravel(), heights.ravel())[0, 1]) < 0.3
+
+
+def test_wear_over_many_positions_is_that_of_the_coarse_grid_on_the_finest():
+    coarse, fine = (
+        end(replace(SCENE, fidelity=replace(SCENE.fidelity, **choices))).wear_depth
+        for choices in ({"pixels_per_element": 2}, {"history_coarsening": 2})
+    )
+    expected = coarse
+    for axis, size in enumerate(fine.shape):
+        middles = ((np.arange(count) + 0.5) / count for count in (size, size // 2))
+        expected = np.apply_along_axis(partial(np.interp, *middles), axis, expected)
+    np.testing.assert_allclose(fine, expected, rtol=2e-3)
