@@ -1,8 +1,11 @@
 """Public names: what they need, where they are described, their examples, and types of calls."""
 
 import ast
+import dataclasses
 import doctest
+import importlib
 import inspect
+import pkgutil
 import re
 import subprocess
 import sys
@@ -36,6 +39,16 @@ def test_every_public_name_is_there():
     assert not modules & set(pipeline.__all__)  # an imported module would hide the name
     with pytest.raises(AttributeError, match="attribute nonsense"):
         _ = pipeline.nonsense
+
+
+def test_only_jobs_and_the_insides_of_caches_can_be_changed():
+    changeable = set()
+    for package in (pipeline, tribo):
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            for name, thing in vars(importlib.import_module(module.name)).items():
+                if isinstance(thing, type) and dataclasses.is_dataclass(thing):
+                    changeable |= set() if thing.__dataclass_params__.frozen else {name}
+    assert changeable == {"_Job", "Recorder", "PointMemo", "_Trunk"}
 
 
 def test_types_that_public_functions_return_are_described_on_the_page():
