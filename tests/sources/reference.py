@@ -12,7 +12,7 @@ from pathlib import Path
 import tribo
 from pipeline.kinds import Quantity
 from pipeline.messages import quoted
-from pipeline.scene.table_kinds import List, number_in
+from pipeline.scene.table_kinds import List, TableKind, number_in
 from pipeline.store import schema
 from pipeline.units import typeset
 from tests.helpers.campaigns import table
@@ -75,7 +75,11 @@ def scene():
         for form, keys in keys_by_form.items():
             parts += [f"**{form.capitalize()}:**\n"] if len(keys_by_form) > 1 else []
             rows = [
-                [f"`{key}`", _kind_cell(entry) + _default(section, key, entry), entry.meaning]
+                [
+                    f"`{key}`",
+                    _kind_cell(entry) + _default(section, key, entry),
+                    _meaning(section, entry, seen),
+                ]
                 for key, entry in keys.items()
             ]
             parts.append(_table(_HEADS, rows))
@@ -114,6 +118,18 @@ def _kind_cell(entry):
         return words
     low, high = (f"{end:g}" for end in kind.usual)
     return f"{words}; usually {low} to {high} {typeset(kind.unit)}".rstrip()
+
+
+def _meaning(section, entry, seen):
+    """Meaning of an entry, and of the keys of a table as its value that are not in `seen`.
+
+    `seen` gets these keys, as in `new_keys`.
+    """
+    tables = (kind for kind in getattr(entry.kind, "kinds", ()) if isinstance(kind, TableKind))
+    keys = {key: inner.meaning for table in tables for key, inner in table.keys.items()}
+    new = {key: meaning for key, meaning in keys.items() if (key, meaning) not in seen}
+    seen |= dict.fromkeys(new.items(), section.header)
+    return " ".join([entry.meaning, *(f"`{key}`: {meaning}" for key, meaning in new.items())])
 
 
 def _default(section, key, entry):
