@@ -51,7 +51,7 @@ def test_realizations_alone_contain_it():
     assert not parts[POSITIONS].any()
 
 
-@pytest.mark.parametrize(("limit", "is_out"), [(0.0, False), (0.02, True)])
+@pytest.mark.parametrize(("limit", "is_out"), [(0.0, False), (0.005, False), (0.02, True)])
 def test_it_counts_in_a_goal_on_a_fixed_surface(limit, is_out):
     specimen = specimen_of(4, sampling=0.2, limit=limit)
     limit_of_rise = float(0.65 * np.log(1.5) + np.log(300.0))
@@ -60,6 +60,8 @@ def test_it_counts_in_a_goal_on_a_fixed_surface(limit, is_out):
     goal = Goal(0.014, 4, counts_surface=False)
     search = Search(specimen, limit_of_rise, 0.0055, y - limit_of_rise, tried, goal)
     assert search.is_out_of_reach({0, 1}) == is_out
+    rest = 0.014**2 - 0.0055**2 - np.nan_to_num(search.errors[POSITIONS]) ** 2
+    np.testing.assert_allclose(search.error_budget, np.sqrt(rest.clip(0.0)))
 
 
 def test_only_a_pin_that_wears_by_the_disk_at_some_positions_has_it():

@@ -255,6 +255,12 @@ def test_rows_without_a_verdict_leave_the_headline_open(undrawn, sweep):
     assert "1 of 2 operating points have a verdict; mild at the most critical" in page.words
 
 
+def test_a_report_refers_to_no_command(sweep):
+    words = Page(pipeline.report(sweep, 400.0, 1.0, added_rise_fraction=0.06)).words
+    assert "6 % is added to the rise for effects outside the model" in words
+    assert "irg help" not in words
+
+
 def test_a_report_of_a_point_outside_is_refused(sweep):
     with pytest.raises(InputError, match=r"load 4000 N is outside the sweep \(200 to 750 N\)"):
         pipeline.report(sweep, 4000.0, 1.0)
