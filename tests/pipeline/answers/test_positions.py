@@ -51,7 +51,7 @@ def test_realizations_alone_contain_it():
     assert not parts[POSITIONS].any()
 
 
-@pytest.mark.parametrize(("limit", "is_out"), [(0.0, False), (0.005, False), (0.02, True)])
+@pytest.mark.parametrize(("limit", "is_out"), [(0.0, False), (0.001, False), (0.02, True)])
 def test_it_counts_in_a_goal_on_a_fixed_surface(limit, is_out):
     specimen = specimen_of(4, sampling=0.2, limit=limit)
     limit_of_rise = float(0.65 * np.log(1.5) + np.log(300.0))
