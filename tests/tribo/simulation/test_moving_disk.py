@@ -14,7 +14,7 @@ from tribo.contact import solve_contact
 from tribo.simulation import RampCache, fit_elements, heat
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import further_positions, passes, separation_at
-from tribo.simulation.loading_step import start
+from tribo.simulation.loading_step import guess_pressure, start
 from tribo.simulation.step_wear import step_parts
 
 LOAD, VELOCITY = 300.0, 1.5
@@ -45,6 +45,11 @@ def scene_of(surface="across", **fidelity):
         wear=tribo.Wear(1.2e-15),
         fidelity=tribo.Fidelity(**choices),
     )
+
+
+def of_hardness(scene, hardness):
+    steel = replace(STEEL, hardness=hardness)
+    return replace(scene, pin=replace(scene.pin, material=steel), disk=steel)
 
 
 def end(scene, ramp_cache=None, load=LOAD):
@@ -199,6 +204,16 @@ def test_a_contact_of_many_summits_needs_fewer_positions():
     assert [len(further_positions(narrow, load)) + 1 for load in loads] == [8, 4]
     assert further_positions(replace(narrow, wear=None), LOAD) == []
     assert further_positions(replace(narrow, motion=tribo.Motion(slide_roll_ratio=1.0)), LOAD) == []
+
+
+def test_a_guessed_contact_carries_the_load_up_to_the_hardness():
+    scene = scene_of()
+    state = end(scene)
+    shapes = [separation_at(scene, None) + state.wear_depth]
+    for hardness, share in ((scene.hardness, (0.8, 1.0)), (np.inf, (1.0, 1.0))):
+        (guess,) = guess_pressure(of_hardness(scene, hardness), state, shapes)
+        carried = guess.sum() * scene.grid.element_area * scene.pin.windows(scene.grid) / LOAD
+        assert share[0] - 1e-9 <= carried <= share[1] + 1e-9
 
 
 def test_only_the_end_has_several_positions_and_its_temperature_is_their_mean():
