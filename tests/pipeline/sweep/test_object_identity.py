@@ -170,6 +170,16 @@ def test_the_same_law_has_the_same_identity_in_all_processes(user_code, tmp_path
         assert printed.stdout.split() == [wear.values, wear.code]
 
 
+def test_the_text_of_a_law_is_not_part_of_what_a_sweep_means(user_code):
+    own_text = 'def __repr__(self): return "Law()"', "def __repr__(self): return str(id(self))"
+    module = user_code("lab/laws.py", own_text)
+    one, other, changed = (
+        SWEEP.with_scene(wear=law) for law in (module.Law(), module.Law(), module.Law(hidden=2.0))
+    )
+    assert one.scene.wear.text != other.scene.wear.text
+    assert one == other != changed
+
+
 def test_a_law_whose_text_prints_an_address_continues_its_store(user_code, path):
     no_text = "lab/laws.py", ('def __repr__(self): return "Law()"', "pass")
     for _ in range(2):
