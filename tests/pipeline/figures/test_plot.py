@@ -88,6 +88,9 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins
     ((_, _, (error_bars,)),) = axes.containers
     ends = np.array(error_bars.get_segments()[:3])[..., 0]
     assert np.diff(ends)[:, 0] == pytest.approx(2 * row_margins["temperature_error"].values[:3])
+    low, high = ends[:, 0].min(), max(drawn_margins.values())
+    beyond = np.subtract(axes.get_xlim(), (low, high)) / (high - low)
+    assert beyond == pytest.approx([-0.08, 0.08], abs=0.02)
     assert most_critical_row(row_margins) == 2
     weights = [tick.label1.get_fontweight() for tick in axes.yaxis.get_major_ticks()]
     assert weights == ["normal", "normal", "bold", "normal"]
