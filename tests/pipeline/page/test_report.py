@@ -272,7 +272,7 @@ def test_a_report_has_the_scene_with_all_that_it_extends(undrawn, sweep):
 
 
 def test_a_report_states_why_a_verdict_is_withheld(undrawn):
-    mild = [bare_test(400.0, 1.4, outcome="mild", number=f"m{k}") for k in range(12)]
+    mild = [bare_test(400.0, 1.4, outcome="mild", number=f"m{k}") for k in range(40)]
     severe = bare_test(300.0, 0.9, outcome="severe", number="weak")
     withheld = synthetic.sweep(tests=(*mild, severe))
     page = checked(pipeline.report(withheld, 300.0, 0.95))
