@@ -86,3 +86,13 @@ def test_all_words_and_legends_are_inside_and_readable_in_any_style(kind):
         assert frame.y0 <= box.y0 <= box.y1 <= frame.y1
     texts = (text for text in figure.findobj(Text) if text.get_text() and text.get_visible())
     assert all(float(text.get_fontsize()) >= 4.9 for text in texts)
+
+
+@pytest.mark.parametrize(("lines", "end"), [(8, "line 8"), (9, "line 8 …")])
+def test_a_caption_below_a_figure_has_at_most_eight_lines(lines, end):
+    caption = "\n".join(f"line {number}" for number in range(1, lines + 1))
+    with plt.style.context("pipeline.figures.irg"):
+        figure = Figure(figsize=(8.0, 4.0))
+        figure.add_subplot().plot([0.0], [0.0], label="points")
+        style.legend_below(figure, caption=caption)
+    assert figure.legends[0].get_title().get_text().splitlines()[-1] == end
