@@ -5,6 +5,7 @@ import pytest
 
 from pipeline import boundary
 from pipeline.answers.answer_frames import boundary_frame
+from pipeline.answers.field import Field
 from pipeline.answers.results import sweep_of
 from pipeline.frames import lines_of
 from tests.helpers import synthetic
@@ -138,3 +139,11 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_has_its_boundary_at_the_lo
     crossings = boundary(synthetic.sweep(rise=synthetic.falling, tests=()))
     np.testing.assert_allclose(crossings["critical_velocity"], 1.1, rtol=1e-3)
     assert (crossings["outcome_along_velocity"] == TRANSITION).all()
+
+
+@pytest.mark.parametrize(("exponent", "slant"), [(-0.5, 0.0), (1.2, 1.2), (2.5, 2.0)])
+def test_rises_are_interpolated_along_lines_of_equal_rise_up_to_a_slant(exponent, slant):
+    loads, velocities = np.array([200.0, 300.0, 400.0]), 2.0 ** np.arange(5)
+    field = Field(loads, velocities, exponent * np.log(loads)[:, None] + np.log(velocities))
+    along = field.row_velocities(np.array([250.0]), np.array([4.0]))[:, 0]
+    np.testing.assert_allclose(along, 4.0 * (250.0 / loads) ** slant)

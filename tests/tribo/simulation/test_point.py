@@ -40,3 +40,8 @@ def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
     states = list(simulate(unworn, 600.0, -1.25))
     assert [(state.time, state.sliding_distance) for state in states] == [(4.0, 5.0), (8.0, 10.0)]
     assert add_temperature(unworn, states[-1], -1.5).sliding_distance == 12.0
+
+
+def test_a_scene_tells_its_parts_and_its_size():
+    parts = "Cylinder, SelfAffineRoughness, Ramp, Wear"
+    assert repr(small_scene()) == f"<Scene: {parts}, 48 × 16 pixels, pin radius 0.002 m>"
