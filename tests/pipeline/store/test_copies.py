@@ -1,5 +1,6 @@
 """Runs that find what a killed growth left, or a store with damaged documents."""
 
+import json
 import shutil
 from dataclasses import astuple, replace
 from pathlib import Path
@@ -224,3 +225,10 @@ def test_a_flipped_bit_in_the_text_of_the_scene_is_found_and_mended(path):
     assert verify_store(path).shared == (ROOT,)
     commit(path, sweep, ())
     assert contents(path) == before
+
+
+def test_facts_that_a_program_wrote_in_another_order_are_read(path):
+    commit(path, TWO_POINTS)
+    for file in path.rglob(ROOT):
+        file.write_text(json.dumps(json.loads(file.read_text()), sort_keys=True))
+    assert pipeline.open_sweep(path)["status"].size == 2
