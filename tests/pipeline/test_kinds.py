@@ -23,6 +23,11 @@ def scan(unit, **more):
     return lambda: load_scene("first_try", overrides=overrides)
 
 
+def transition(step):
+    test = {"load": "4 N", "velocity": "1 m/s", "outcome": "transition", "step": step}
+    return entry("tests", [test])
+
+
 REFUSALS = {
     "empty text": entry("title", ""),
     "control": entry("title", "a\0"),
@@ -36,8 +41,8 @@ REFUSALS = {
     "in SI": lambda: BULK.argument("bulk", "25 C"),
     "a list": lambda: FRICTION.argument("friction", [0.1, 0.2]),
     "count": lambda: WORKERS.argument("workers", 0),
-    "step": entry("tests", [{"load": "4 N", "velocity": "1 m/s", "outcome": "transition",
-                              "step": "3 mm"}]),
+    "step": transition("3 mm"),
+    "step without a unit": transition(3),
     "height unit": scan("parsnip"),
     "flag": scan("um", mirror="yes"),
 }  # fmt: skip
