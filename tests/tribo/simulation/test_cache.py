@@ -4,10 +4,11 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+import pytest
 
 from tests.helpers.scenes import small_scene
 from tribo import simulate
-from tribo.simulation import forget_kernels
+from tribo.simulation import RampCache, forget_kernels
 from tribo.simulation.cache import Cache
 
 
@@ -35,3 +36,13 @@ def test_a_thread_that_wants_what_another_computes_waits_for_it():
     with ThreadPoolExecutor(4) as threads:
         values = set(threads.map(lambda _: cache.get("key", slowly), range(4)))
     assert len(values) == 1
+
+
+@pytest.mark.parametrize(("limit", "further_steps"), [(2**28, 3), (0, 6)])
+def test_a_cache_with_room_keeps_the_ramps_of_several_velocities(limit, further_steps):
+    scene, ramp_cache = small_scene(), RampCache(limit)
+    counts = [
+        len(list(simulate(scene, load, velocity, ramp_cache)))
+        for load, velocity in ((300.0, 1.0), (300.0, 1.25), (450.0, 1.0), (450.0, 1.25))
+    ]
+    assert counts == [4, 4, further_steps, further_steps]
