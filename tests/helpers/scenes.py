@@ -1,5 +1,7 @@
 """Small scenes of the paper's system for tests."""
 
+from dataclasses import replace
+
 import tribo
 
 STEEL = tribo.Material(
@@ -91,6 +93,12 @@ def small_scene(pattern="swept", roughness=True, wear=True, periodic=(False, Tru
         wear=tribo.Wear(1.2e-15, pattern) if wear else None,
         fidelity=tribo.Fidelity(**choices),
     )
+
+
+def with_hardness(scene, hardness):
+    """The scene with another hardness [Pa] of the steel of both bodies."""
+    steel = replace(STEEL, hardness=hardness)
+    return replace(scene, pin=replace(scene.pin, material=steel), disk=steel)
 
 
 def last(scene, load, velocity):

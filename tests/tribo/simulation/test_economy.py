@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import STEEL, small_scene
-from tribo import QUANTILES, Cylinder, Grid, MeasuredRoughness, Wear, measures, simulate
+from tests.helpers.scenes import small_scene, with_hardness
+from tribo import QUANTILES, Grid, MeasuredRoughness, Wear, measures, simulate
 
 DECISIVE = QUANTILES.index(0.9)
 
@@ -19,11 +19,6 @@ def rough_scene(**fidelity):
         pixels=Grid((192, 96), (2e-6, 2e-6)),
         roughness=replace(scene.roughness, correlation_length=(4e-6, 4e-6)),
     )
-
-
-def with_hardness(scene, hardness):
-    material = replace(STEEL, hardness=hardness)
-    return replace(scene, pin=Cylinder(2e-3, 3.4e-3, material), disk=material)
 
 
 def total_work(states):

@@ -116,4 +116,5 @@ def test_wear_over_many_positions_is_that_of_the_coarse_grid_on_the_finest():
     for axis, size in enumerate(fine.shape):
         middles = ((np.arange(count) + 0.5) / count for count in (size, size // 2))
         expected = np.apply_along_axis(partial(np.interp, *middles), axis, expected)
-    np.testing.assert_allclose(fine, expected, rtol=2e-3)
+    twice_the_tolerance = 2 * SCENE.fidelity.contact_tolerance  # each is solved to it
+    np.testing.assert_allclose(fine, expected, rtol=twice_the_tolerance)
