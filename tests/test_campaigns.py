@@ -63,9 +63,9 @@ def test_the_truth_is_that_of_scenes_of_the_families_and_of_all_that_judge():
     ("name", "family", "number"),
     [
         ("standard", "tops", 1),
-        ("standard", "stages", 7),
+        pytest.param("standard", "stages", 7, marks=pytest.mark.slow),
         ("standard", "local", 1),
-        ("fine", "tops", 1),
+        pytest.param("fine", "tops", 1, marks=pytest.mark.slow),
     ],
 )
 def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, family, number):

@@ -180,18 +180,20 @@ def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(elsew
 
 
 @pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    "how", [pytest.param(signal.SIGSTOP, marks=pytest.mark.slow), signal.SIGKILL]
+)
 def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
-    elsewhere, tmp_path
+    elsewhere, tmp_path, how
 ):
     cluster, configured = elsewhere
-    for how in (signal.SIGSTOP, signal.SIGKILL):
-        path = tmp_path / f"{how}.zarr"
-        lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
-        lost = pytest.raises(ExecutionError, match=LOST)
-        with dask.config.set(configured), client_of(cluster.address) as client, lost:
-            run_sweep(SLOW, path, client=client, progress=lose, patience=5.0)
-        assert summary(path).done
-        cluster.scheduler.send_signal(signal.SIGCONT)
+    path = tmp_path / "out.zarr"
+    lose = when_done(lambda: cluster.scheduler.send_signal(how))
+    lost = pytest.raises(ExecutionError, match=LOST)
+    with dask.config.set(configured), client_of(cluster.address) as client, lost:
+        run_sweep(SLOW, path, client=client, progress=lose, patience=5.0)
+    assert summary(path).done
+    cluster.scheduler.send_signal(signal.SIGCONT)
 
 
 class Stop(SchedulerPlugin):
@@ -219,6 +221,7 @@ def link():
             yield link
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(100)
 def test_a_worker_that_stands_still_holds_up_no_later_results_of_another(link, tmp_path):
     velocities = tuple(np.linspace(0.5, 1.5, 5).tolist())

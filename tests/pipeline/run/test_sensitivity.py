@@ -125,6 +125,7 @@ def test_a_change_of_the_allowable_rise_moves_the_critical_velocity_by_its_expon
         assert row["velocity_change"].item() == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.usefixtures("study")
 def test_the_command_takes_the_points_of_a_store(study_store, irg):
     before = pipeline.summary(study_store)
     at = "--load", AT[0], "--velocity", AT[1]

@@ -156,6 +156,7 @@ def test_strips_of_a_few_stages_fill_the_window_evenly():
         assert np.diff(positions, append=positions[0] + 128).max() <= 4
 
 
+@pytest.mark.slow
 def test_a_long_hold_ends_with_shallow_imprints_and_hardly_depends_on_positions():
     """With equal parts of its last step, the rise would scatter by 1.3 % (standard deviation)."""
     scene = pipeline.load_scene("first_try", "standard", HOLD).scene
