@@ -16,17 +16,17 @@ from typing import Any, TypeGuard
 import pandas as pd
 
 from pipeline.paths import store_file, sync
-from pipeline.quantities import DIMENSIONS, SIZES, in_unit
+from pipeline.quantities import SIZES, in_unit
 from tribo import InputError
 
-_HEADING = re.compile(r"(.+) \[(.+)\]")
+_UNIT_OF_HEADING = re.compile(r".+ \[(.+)\]")
 _LAYOUTS = (80, 10, 1000, "  "), (80, 9, 1000, "  "), (100, 10, 1000, "  "), (100, 8, 22, " ")
 """Layouts of a table: length of a line, widths of headings and cells, and gap between columns."""
 
 
 def frame_of(headings: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
     """Data frame of rows in SI, converted to the units of headings such as ``load [N]``."""
-    units = [_split_heading(heading)[1] for heading in headings]
+    units = [_unit_of(heading) for heading in headings]
     converted = [
         tuple(
             _in_unit(value, unit) if unit and _is_number(value) else value
@@ -171,11 +171,10 @@ def _is_number(value: Any) -> TypeGuard[float]:
     return is_numeric and not math.isnan(value)
 
 
-def _split_heading(heading: str) -> tuple[str, str]:
-    """Split a heading into name and unit; an unknown unit stays in the name."""
-    match = _HEADING.fullmatch(heading)
-    is_known = match and (match[2] in SIZES or match[2] in DIMENSIONS)
-    return (match[1], match[2]) if match and is_known else (heading, "")
+def _unit_of(heading: str) -> str:
+    """Unit of a heading; empty if it has none that is known."""
+    match = _UNIT_OF_HEADING.fullmatch(heading)
+    return match[1] if match and match[1] in SIZES else ""
 
 
 def write_text(text: str, out: Path) -> Path:
