@@ -49,6 +49,13 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
     assert (end.holding, end.index, end.time) == (True, 81, pytest.approx(4.0))
 
 
+@pytest.mark.parametrize("increments", [25, 33, 100])
+def test_a_hold_in_which_the_impulse_grows_by_a_full_step_has_no_further_step(increments):
+    hold = 2.0 * math.expm1(10.0)  # the ramp has the impulse of 2 s at 600 N
+    hold_steps = [s for s in Ramp(150.0, 750.0, hold).load_steps(600.0, increments) if s.holding]
+    assert len(hold_steps) == increments
+
+
 @pytest.mark.parametrize("hold", [4.0, 60.0, 1e6])
 @pytest.mark.parametrize("increments", [5, 25, 100])
 def test_each_step_of_a_hold_has_the_same_share_of_the_impulse_so_far(hold, increments):
