@@ -1,4 +1,4 @@
-"""Kernels that simulations share (tribo/simulation/cache.py)."""
+"""Kernels and ramps that simulations share (tribo/simulation/cache.py and ramp_cache.py)."""
 
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -46,3 +46,10 @@ def test_a_cache_with_room_keeps_the_ramps_of_several_velocities(limit, further_
         for load, velocity in ((300.0, 1.0), (300.0, 1.25), (450.0, 1.0), (450.0, 1.25))
     ]
     assert counts == [4, 4, further_steps, further_steps]
+
+
+@pytest.mark.parametrize(("limit", "steps_again"), [(2**28, 1), (0, 4)])
+def test_a_cache_with_room_keeps_the_steps_below_the_highest_load(limit, steps_again):
+    scene, ramp_cache = small_scene(), RampCache(limit)
+    counts = [len(list(simulate(scene, load, 1.0, ramp_cache))) for load in (300.0, 450.0, 300.0)]
+    assert counts == [4, 3, steps_again]
