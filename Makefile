@@ -60,7 +60,7 @@ lowest:               ## install the lowest versions that are declared, and run 
 	    .venv-lowest/bin/python -m pytest -W ignore::DeprecationWarning \
 	    --numprocesses 2 --dist loadfile --no-loadscope-reorder --durations=10
 
-slow: .venv/test      ## the long checks: pages as typed, the site, a notebook, campaigns, kills
+slow: .venv/test      ## the long checks: pages as typed, the site, a notebook, campaigns, clusters, kills
 	$(BIN)/python -m pytest tests -m slow
 
 promises: .venv/test  ## judge presets, stated errors and accuracies that are asked for on random scenes, in some hours

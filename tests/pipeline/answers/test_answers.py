@@ -172,8 +172,8 @@ def test_the_error_by_present_heat_falls_with_the_duration_and_of_two_the_larger
     heat, few = int(WarningKind.PRESENT_HEAT), int(WarningKind.FEW_STEPS)  # 10 %
     flags, times = np.array([heat, heat, heat, heat | few, few, 0]), [1e-4, 1e-2, 1.0, 1.0, 1.0, 0]
     assert warned_errors(flags, np.array(times)).tolist() == [0.25, 0.11, 0.05, 0.1, 0.1, 0.0]
-    steps = np.array([1e-3, 10**-2.5, 10**-1.5, 0.1])
-    errors = warned_errors(np.full(4, heat), steps)
+    durations = np.array([1e-3, 10**-2.5, 10**-1.5, 0.1])
+    errors = warned_errors(np.full(4, heat), durations)
     assert errors.tolist() == pytest.approx([0.25, 0.18, 0.08, 0.05])
 
 

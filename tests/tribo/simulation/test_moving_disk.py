@@ -157,11 +157,15 @@ def test_strips_of_a_few_stages_fill_the_window_evenly():
 
 
 @pytest.mark.slow
-def test_a_long_hold_ends_with_shallow_imprints_and_hardly_depends_on_positions():
-    """With equal parts of its last step, the rise would scatter by 1.3 % (standard deviation)."""
+def test_the_rise_after_a_long_hold_hardly_depends_on_positions():
+    """With equal parts of its last step, it would scatter by 1.3 % (standard deviation)."""
     scene = pipeline.load_scene("first_try", "standard", HOLD).scene
     rises, _ = rises_at_shifts(scene, 200.0, 3.5)
     assert rises.std(ddof=1) < 0.009
+
+
+def test_a_long_hold_ends_with_shallow_imprints():
+    scene = pipeline.load_scene("first_try", "standard", HOLD).scene
     (hold_step,) = (step for step in scene.load_steps(200.0) if step.time > 31.0)
     before = replace(start(scene), time=20.0, impulse=4000.0, normal_load=200.0)
     ends = [part.time for part in step_parts(scene, before, hold_step, 3.5, ends_hold=True)]
