@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tribo import Fidelity, Ramp
+from tribo.constants import HOLD_GROWTH
 
 RAMP = Ramp(rate=150.0, reference_load=750.0)
 
@@ -51,7 +52,7 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
 
 @pytest.mark.parametrize("increments", [25, 33, 100])
 def test_a_hold_in_which_the_impulse_grows_by_a_full_step_has_no_further_step(increments):
-    hold = 2.0 * math.expm1(10.0)  # the ramp has the impulse of 2 s at 600 N
+    hold = 2.0 * math.expm1(HOLD_GROWTH)  # the ramp has the impulse of 2 s at 600 N
     hold_steps = [s for s in Ramp(150.0, 750.0, hold).load_steps(600.0, increments) if s.holding]
     assert len(hold_steps) == increments
 

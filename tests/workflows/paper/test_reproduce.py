@@ -45,8 +45,7 @@ SMALLER = {
 """Texts in shipped scenes that are replaced by ones that take less time."""
 SMALL = {"preset": "standard", "surfaces": 2, "workers": 1}
 BEYOND = "contra", "ends", "heldout", "inverse", "rivals", "spacing", "steel"
-LONG = *BEYOND, "fig6"
-"""Results beyond those of the paper, and its longest: each takes 4 to 10 s, by ``-m slow``."""
+"""Results beyond the paper's figures and tables, 4 to 10 s each: by ``-m slow`` alone."""
 ONE_SURFACE = (
     "contra",
     "ends",
@@ -160,7 +159,7 @@ def small(folder, scenes):
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in paper.RESULTS],
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in BEYOND)) for name in paper.RESULTS],
 )
 def test_every_result_has_a_figure_and_its_numbers_and_verdicts_are_kept(small, folder, name):
     report = small(name)
