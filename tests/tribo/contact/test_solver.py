@@ -174,3 +174,16 @@ def test_no_load_has_no_pressure_and_the_highest_load_has_the_hardness_everywher
     saturated = solve_contact(solid, z, 1e9 * grid.area, 1e9)
     assert saturated.pressure == pytest.approx(1e9)
     assert saturated.gap.max() == 0
+
+
+def test_where_all_that_touches_is_plastic_the_approach_is_halfway_to_the_next_node():
+    grid = Grid((8, 7), (1.0, 1.2), (False, False))
+    solid = ElasticHalfSpace(grid, 1.0)
+    touches = np.zeros(grid.shape, bool)
+    touches[[2, 2, 6], [1, 5, 3]] = True
+    z = np.where(touches, 0.0, 100.0)
+    contact = solve_contact(solid, z, 3 * 2.2 * grid.element_area, 2.2)
+    np.testing.assert_allclose(contact.pressure, np.where(touches, 2.2, 0.0), rtol=1e-12)
+    separation = solid(contact.pressure) + z
+    limits = separation[touches].max(), separation[~touches].min()
+    assert contact.approach == pytest.approx(np.mean(limits), rel=1e-12)

@@ -1,7 +1,9 @@
 """Partition of heat between two bodies (tribo/thermal/partition.py)."""
 
+import functools
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -115,3 +117,18 @@ def test_a_failure_carries_the_partial_solution_and_advice():
     assert 1e-8 < partial.residual < 0.1
     error = np.abs(partial.rise - exact.rise).max() / exact.rise.max()
     assert 1e-6 < error < 10 * partial.residual
+
+
+def test_a_tolerance_below_rounding_is_refused_with_one_that_is_reached():
+    grid = grid_of()
+    flux = rough_contact(grid)
+    pin, disk = bodies(grid)
+    difference = -disk(flux) * (1 - 1e-6)  # of the heat a millionth has an effect
+    partition = functools.partial(
+        partition_heat, pin, disk, flux, flux > 0, bulk_difference=difference
+    )
+    words = r"Rounding allows no less; set it to at least (\S+)$"
+    with pytest.raises(ConvergenceError, match=words) as caught:
+        partition(tolerance=1e-14)
+    advised = float(re.search(words, str(caught.value))[1])
+    assert partition(tolerance=advised).residual <= advised
