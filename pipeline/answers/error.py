@@ -49,7 +49,7 @@ from tribo.simulation.pin_ends import has_free_ends
 from tribo.types import Array, Indices
 
 if TYPE_CHECKING:  # so that irg check does not import xarray
-    from pipeline.answers.field import Field
+    from pipeline.answers.field import Field, Places
     from pipeline.answers.specimen import Specimen
 
 PARTS = {
@@ -73,39 +73,35 @@ _DURATIONS, _WARM_ERRORS = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and the largest relative error of the heat model "elapsed" at these."""
 
 
-def rise_errors(
-    specimen: Specimen, preset_error: float | None, loads: Array, velocities: Array
-) -> Array:
-    """Relative errors of the rise at k points by part (5, k).
+def rise_errors(specimen: Specimen, preset_error: float | None, places: Places) -> Array:
+    """Relative errors of the rise at k places by part (5, k).
 
     `preset_error` is the relative error of critical velocities due to the preset; None if unknown.
     """
-    field, point_errors = specimen.field, warned_errors(specimen.flags, specimen.durations)
-    along, between = interpolation_errors(specimen, loads, velocities)
-    surface = surface_sampling_errors(specimen, loads, velocities)
+    along, between = interpolation_errors(specimen, places)
+    surface = surface_sampling_errors(specimen, places)
     return np.stack(np.broadcast_arrays(
         np.hypot(along.sum(axis=0), between),
         np.nan if preset_error is None else RISE_EXPONENT * preset_error,
-        field.bilinear(point_errors, loads, velocities),
-        position_errors(specimen, surface, loads, velocities),
+        places.bilinear(warned_errors(specimen.flags, specimen.durations)),
+        position_errors(specimen, surface, places),
         surface,
     ))  # fmt: skip
 
 
-def surface_sampling_errors(specimen: Specimen, loads: Array, velocities: Array) -> Array:
-    """Relative errors of the rise by surface sampling at k points.
+def surface_sampling_errors(specimen: Specimen, places: Places) -> Array:
+    """Relative errors of the rise by surface sampling at k places.
 
     Between two loads their errors add by the correlation that the realizations give them.
     """
-    field, covariance = specimen.field, specimen.mean.covariance
-    low, high = field.bracketing_rows(loads, velocities)
+    covariance, (low, high) = specimen.mean.covariance, places.rows
     correlation = covariance[low, high] / np.sqrt(covariance[low, low] * covariance[high, high])
-    sides = field.weighted_sides(specimen.mean.bound, loads, velocities)
+    sides = places.weighted_sides(specimen.mean.bound)
     return np.asarray(np.sqrt(np.square(sides).sum(axis=0) + 2 * correlation * sides.prod(axis=0)))
 
 
-def position_errors(specimen: Specimen, surface: Array, loads: Array, velocities: Array) -> Array:
-    """Relative errors of the rise by positions of the disk at k points.
+def position_errors(specimen: Specimen, surface: Array, places: Places) -> Array:
+    """Relative errors of the rise by positions of the disk at k places.
 
     They are a share of the errors by `surface` sampling (k,), or the largest error if that is less
     or surface sampling is unknown. The mean of n realizations errs by 1/√n of the largest error.
@@ -117,7 +113,7 @@ def position_errors(specimen: Specimen, surface: Array, loads: Array, velocities
     weights = np.where(further > 0, specimen.freedom / np.maximum(specimen.freedom + further, 1), 1)
     row = np.ones(len(specimen.field.velocities))
     limit, weight = (
-        specimen.field.bilinear(values[:, None] * row, loads, velocities)
+        places.bilinear(values[:, None] * row)
         for values in (specimen.position_limit / np.sqrt(count), np.sqrt(weights))
     )
     return np.asarray(weight * np.fmin(POSITION_SHARE * surface, limit))
@@ -147,30 +143,23 @@ def total(parts: Array) -> Array:
     return np.asarray(np.sqrt(np.square(parts).sum(axis=0)))
 
 
-def interpolation_errors(
-    specimen: Specimen, loads: Array, velocities: Array
-) -> tuple[Array, Array]:
-    """Relative errors of rises between simulated points, or beyond the velocities, at k points.
+def interpolation_errors(specimen: Specimen, places: Places) -> tuple[Array, Array]:
+    """Relative errors of rises between simulated points, or beyond the velocities, at k places.
 
     Returns the errors along velocity of the two bracketing loads, times their weights (2, k), and
     the error between these loads (k,).
     """
-    field, pairs = specimen.field, np.arange(len(loads))
-    low, high = field.bracketing_rows(loads, velocities)
-    fraction = field.load_fraction(loads, velocities)
-    at_rows = field.row_velocities(loads, velocities)
-    low_load, high_load = field.loads[low], field.loads[high]
+    field, pairs = specimen.field, np.arange(len(places.loads))
+    low, weights, at_rows = places.rows[0], places.weights, places.row_velocities
+    low_load, high_load = field.loads[places.rows]
     has_gap = high_load > low_load
-    row_errors = _row_errors(
-        specimen, np.append(low, high), np.append(at_rows[low, pairs], at_rows[high, pairs])
-    )
-    weights = np.stack([1 - fraction, fraction])
+    row_errors = _row_errors(specimen, places.rows.ravel(), at_rows[places.rows, pairs].ravel())
     along = np.where(weights > 0, weights * row_errors.reshape(2, -1), 0.0)
     between = np.where(has_gap, np.nan, 0.0)
     if len(rows := field.interpolated_rows) > 1:
         # Roughness of a single realization; the surface-sampling error of several includes theirs.
         roughness = np.where(specimen.realizations[rows] > 1, 0.0, ROUGH_LOAD)
-        curves = Pchip(np.log(field.loads[rows]), field.row_values(at_rows, velocities)[rows])
+        curves = Pchip(np.log(field.loads[rows]), places.row_values[rows])
         errors = _row_errors(specimen, np.repeat(rows, len(pairs)), at_rows[rows].ravel())
         errors = errors.reshape(len(rows), -1)
         noise = np.where(roughness > 0, 0.0, specimen.mean.contrast_bound(rows, curves.x))
@@ -178,8 +167,8 @@ def interpolation_errors(
         bounds = _interpolation_bounds(
             curves, roughness, np.unique(gap[has_gap]), errors, noise[:, None]
         )
-        between = np.where(has_gap, bounds[gap, pairs] * _gap_shape(fraction), 0.0)
-    is_within = (low_load <= loads) & (loads <= high_load)
+        between = np.where(has_gap, bounds[gap, pairs] * _gap_shape(weights[1]), 0.0)
+    is_within = (low_load <= places.loads) & (places.loads <= high_load)
     return along, np.where(is_within, between, np.nan)
 
 

@@ -108,8 +108,10 @@ class Search:
     @cached_property
     def errors(self) -> Array:
         """Relative errors of `critical` by part (5, n_load), see `velocity_errors`."""
-        parts = rise_errors(self.specimen, self.preset_error, self.loads, self.critical)
-        return velocity_errors(self.specimen.field, parts, self.loads, self.critical)
+        field = self.specimen.field
+        places = field.places(self.loads, self.critical)
+        parts = rise_errors(self.specimen, self.preset_error, places)
+        return velocity_errors(field, parts, self.loads, self.critical)
 
     @cached_property
     def _has_realization(self) -> Mask:
@@ -261,7 +263,8 @@ class Search:
         if self.specimen.position_limit:
             deviation = math.hypot(1, POSITION_SHARE) * deviation
         only = np.eye(len(self.loads))[..., None] * np.nan_to_num(deviation)
-        errors = [field.bilinear(deviation, *point) for deviation in only]
+        places = field.places(*point)
+        errors = [places.bilinear(deviation) for deviation in only]
         return np.asarray(np.transpose(errors) / exponents(field, *point)[:, None])
 
     def _further_realization_points(self, loads: set[int]) -> list[PointIndex]:

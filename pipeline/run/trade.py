@@ -146,7 +146,8 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[MeasuredCos
     realization_counts = specimen.realizations[crosses]
     bound = realizations_share(realization_counts, specimen.is_highest, specimen.freedom[crosses])
     bound = bound if specimen.is_highest else bound * np.sqrt(realization_counts / realizations)
-    surface = bound * field.bilinear(specimen.mean.deviation, loads, critical) / exponent
+    deviation = field.places(loads, critical).bilinear(specimen.mean.deviation)
+    surface = bound * deviation / exponent
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
         report(Progress(f"timing a point of preset {name}"))

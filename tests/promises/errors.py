@@ -143,7 +143,7 @@ def flags_around(plane, loads, velocities):
     columns = [
         np.where(is_node, np.searchsorted(plane.field.velocities, velocities), k) for k in ends
     ]
-    rows = plane.field.bracketing_rows(loads, velocities)
+    rows = plane.field.places(loads, velocities).rows
     return np.bitwise_or.reduce([plane.flags[i, j] for i in rows for j in columns])
 
 
@@ -153,7 +153,8 @@ def position_errors(row, preset, name):
     loads, velocities = (
         axis.ravel() for axis in np.meshgrid(row["all_loads"], row["all_velocities"], indexing="ij")
     )
-    stated = rise_errors(plane, preset_bound(preset, CRITERIA[name]), loads, velocities)
+    places = plane.field.places(loads, velocities)
+    stated = rise_errors(plane, preset_bound(preset, CRITERIA[name]), places)
     frame = pd.DataFrame(
         {
             "preset": preset,
@@ -161,7 +162,7 @@ def position_errors(row, preset, name):
             "at_load": np.isin(loads, plane.field.loads),
             "at_velocity": np.isin(velocities, plane.field.velocities),
             "flags": flags_around(plane, loads, velocities),
-            "error": np.exp(plane.field(loads, velocities)) / true.ravel() - 1,
+            "error": np.exp(places.values) / true.ravel() - 1,
             "between": stated[INTERPOLATION],
             "stated": total(stated),
             "scene": row["name"],
@@ -183,9 +184,9 @@ def beyond(row):
     for load, is_known, values in zip(field.loads, is_kept, log_rises, strict=True):
         if is_known.sum() < 2:
             continue
-        points = np.full((~is_known).sum(), load), field.velocities[~is_known]
-        excess = np.exp(plane.field(*points) - values[~is_known]) - 1
-        yield from excess / rise_errors(plane, 0.0, *points)[INTERPOLATION]
+        places = plane.field.places(np.full((~is_known).sum(), load), field.velocities[~is_known])
+        excess = np.exp(places.values - values[~is_known]) - 1
+        yield from excess / rise_errors(plane, 0.0, places)[INTERPOLATION]
 
 
 def rms(values):

@@ -126,8 +126,9 @@ def stated(ds):
     """ln(rise) of a specimen at each load, and the error that it states for surface sampling."""
     (case,) = cases_of(ds)
     model = verdict_model(case, case.sweep.conditions)
-    points = ds["load"].values, np.repeat(ds["velocity"].values, ds.sizes["load"])
-    return model.field(*points), rise_errors(model.specimen, model.preset_error, *points)[SURFACE]
+    velocities = np.repeat(ds["velocity"].values, ds.sizes["load"])
+    places = model.field.places(ds["load"].values, velocities)
+    return places.values, rise_errors(model.specimen, model.preset_error, places)[SURFACE]
 
 
 def parts(ds, first, sizes):
