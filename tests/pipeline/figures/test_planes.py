@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.figures.style import THICK
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
@@ -74,6 +75,15 @@ def test_no_friction_has_a_line_that_lies_on_the_boundary_with_tests():
     friction = pipeline.margin(sweep(**tests), 400.0, velocity)["critical_friction"].item()
     assert friction > 0.103  # the boundary with tests is not the computed one
     assert "computed at friction 0.08" in drawn(sweep(**tests, friction_band=(0.08, friction)))[1]
+
+
+@pytest.mark.parametrize(
+    ("tests", "heavy"), [((), "boundary"), (synthetic.MEASURED, "boundary with tests")]
+)
+def test_the_heavy_line_is_the_boundary_with_tests_if_there_are_any(tests, heavy):
+    axes = drawn(sweep(tests=tests))[0]
+    lines = [line for line in axes.collections if str(line.get_gid()).startswith("boundary")]
+    assert [line.get_gid() for line in lines if line.get_linewidth()[0] == THICK] == [heavy]
 
 
 def surfaces(*factors):
