@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 import zarr
 
 import pipeline
@@ -199,6 +200,22 @@ def test_a_point_is_copied_if_it_has_the_fields_that_are_wanted(path, build, com
     assert f"{1 - computed} points are copied from {path}" in heard
     assert (outcome.done, outcome.computed) == (1, computed)
     assert verify_store(copy).is_clean
+
+
+def pressure(path):
+    """Stored contact pressure of all points, one after another."""
+    return xr.open_zarr(path, group="fields", chunks=None)["pressure"].values.ravel()
+
+
+def test_fields_of_a_further_realization_are_not_copied_over_those_of_the_first(path):
+    axes, source = {"loads": (150.0,), "velocities": (0.5,)}, beside(path, ".source")
+    commit_all(path, tiny.full(**axes, case_table=surface_table((3,))))
+    commit_all(source, tiny.full(**axes, case_table=surface_table((4,))))
+    first, further = pressure(path), pressure(source)
+    both = tiny.full(**axes, case_table=surface_table((3, 4)))
+    assert pipeline.run_sweep(both, path, workers=1, source=source).computed == 0
+    assert (first != further).any()
+    np.testing.assert_array_equal(pressure(path), first)
 
 
 def test_a_store_is_readable_however_often_it_grows(path, monkeypatch):
