@@ -49,7 +49,8 @@ from tribo.simulation.pin_ends import has_free_ends
 from tribo.types import Array, Indices
 
 if TYPE_CHECKING:  # so that irg check does not import xarray
-    from pipeline.answers.field import Field, Places
+    from pipeline.answers.field import Field
+    from pipeline.answers.field_points import FieldPoints
     from pipeline.answers.specimen import Specimen
 
 PARTS = {
@@ -73,35 +74,35 @@ _DURATIONS, _WARM_ERRORS = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and the largest relative error of the heat model "elapsed" at these."""
 
 
-def rise_errors(specimen: Specimen, preset_error: float | None, places: Places) -> Array:
-    """Relative errors of the rise at k places by part (5, k).
+def rise_errors(specimen: Specimen, preset_error: float | None, points: FieldPoints) -> Array:
+    """Relative errors of the rise at k points by part (5, k).
 
     `preset_error` is the relative error of critical velocities due to the preset; None if unknown.
     """
-    along, between = interpolation_errors(specimen, places)
-    surface = surface_sampling_errors(specimen, places)
+    along, between = interpolation_errors(specimen, points)
+    surface = surface_sampling_errors(specimen, points)
     return np.stack(np.broadcast_arrays(
         np.hypot(along.sum(axis=0), between),
         np.nan if preset_error is None else RISE_EXPONENT * preset_error,
-        places.bilinear(warned_errors(specimen.flags, specimen.durations)),
-        position_errors(specimen, surface, places),
+        points.bilinear(warned_errors(specimen.flags, specimen.durations)),
+        position_errors(specimen, surface, points),
         surface,
     ))  # fmt: skip
 
 
-def surface_sampling_errors(specimen: Specimen, places: Places) -> Array:
-    """Relative errors of the rise by surface sampling at k places.
+def surface_sampling_errors(specimen: Specimen, points: FieldPoints) -> Array:
+    """Relative errors of the rise by surface sampling at k points.
 
     Between two loads their errors add by the correlation that the realizations give them.
     """
-    covariance, (low, high) = specimen.mean.covariance, places.rows
+    covariance, (low, high) = specimen.mean.covariance, points.rows
     correlation = covariance[low, high] / np.sqrt(covariance[low, low] * covariance[high, high])
-    sides = places.weighted_sides(specimen.mean.bound)
+    sides = points.weighted_sides(specimen.mean.bound)
     return np.asarray(np.sqrt(np.square(sides).sum(axis=0) + 2 * correlation * sides.prod(axis=0)))
 
 
-def position_errors(specimen: Specimen, surface: Array, places: Places) -> Array:
-    """Relative errors of the rise by positions of the disk at k places.
+def position_errors(specimen: Specimen, surface: Array, points: FieldPoints) -> Array:
+    """Relative errors of the rise by positions of the disk at k points.
 
     They are a share of the errors by `surface` sampling (k,), or the largest error if that is less
     or surface sampling is unknown. The mean of n realizations errs by 1/√n of the largest error.
@@ -113,7 +114,7 @@ def position_errors(specimen: Specimen, surface: Array, places: Places) -> Array
     weights = np.where(further > 0, specimen.freedom / np.maximum(specimen.freedom + further, 1), 1)
     row = np.ones(len(specimen.field.velocities))
     limit, weight = (
-        places.bilinear(values[:, None] * row)
+        points.bilinear(values[:, None] * row)
         for values in (specimen.position_limit / np.sqrt(count), np.sqrt(weights))
     )
     return np.asarray(weight * np.fmin(POSITION_SHARE * surface, limit))
@@ -143,23 +144,23 @@ def total(parts: Array) -> Array:
     return np.asarray(np.sqrt(np.square(parts).sum(axis=0)))
 
 
-def interpolation_errors(specimen: Specimen, places: Places) -> tuple[Array, Array]:
-    """Relative errors of rises between simulated points, or beyond the velocities, at k places.
+def interpolation_errors(specimen: Specimen, points: FieldPoints) -> tuple[Array, Array]:
+    """Relative errors of rises between simulated points, or beyond the velocities, at k points.
 
     Returns the errors along velocity of the two bracketing loads, times their weights (2, k), and
     the error between these loads (k,).
     """
-    field, pairs = specimen.field, np.arange(len(places.loads))
-    low, weights, at_rows = places.rows[0], places.weights, places.row_velocities
-    low_load, high_load = field.loads[places.rows]
+    field, pairs = specimen.field, np.arange(len(points.loads))
+    low, weights, at_rows = points.rows[0], points.weights, points.row_velocities
+    low_load, high_load = field.loads[points.rows]
     has_gap = high_load > low_load
-    row_errors = _row_errors(specimen, places.rows.ravel(), at_rows[places.rows, pairs].ravel())
+    row_errors = _row_errors(specimen, points.rows.ravel(), at_rows[points.rows, pairs].ravel())
     along = np.where(weights > 0, weights * row_errors.reshape(2, -1), 0.0)
     between = np.where(has_gap, np.nan, 0.0)
     if len(rows := field.interpolated_rows) > 1:
         # Roughness of a single realization; the surface-sampling error of several includes theirs.
         roughness = np.where(specimen.realizations[rows] > 1, 0.0, ROUGH_LOAD)
-        curves = Pchip(np.log(field.loads[rows]), places.row_values[rows])
+        curves = Pchip(np.log(field.loads[rows]), points.row_values[rows])
         errors = _row_errors(specimen, np.repeat(rows, len(pairs)), at_rows[rows].ravel())
         errors = errors.reshape(len(rows), -1)
         noise = np.where(roughness > 0, 0.0, specimen.mean.contrast_bound(rows, curves.x))
@@ -168,7 +169,7 @@ def interpolation_errors(specimen: Specimen, places: Places) -> tuple[Array, Arr
             curves, roughness, np.unique(gap[has_gap]), errors, noise[:, None]
         )
         between = np.where(has_gap, bounds[gap, pairs] * _gap_shape(weights[1]), 0.0)
-    is_within = (low_load <= places.loads) & (places.loads <= high_load)
+    is_within = (low_load <= points.loads) & (points.loads <= high_load)
     return along, np.where(is_within, between, np.nan)
 
 

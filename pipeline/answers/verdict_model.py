@@ -202,9 +202,9 @@ class VerdictModel:
         is_inside = ((low <= plane) & (plane <= high) & (plane > 0)).all(axis=0)
         is_valid = (np.isfinite(plane) & (plane > 0)).all(axis=0)
         load, velocity = np.where(is_valid, plane, np.nan)
-        places = self.field.places(load, velocity)
-        log_rise = places.values
-        errors = rise_errors(self.specimen, self.preset_error, places)
+        field_points = self.field.at(load, velocity)
+        log_rise = field_points.values
+        errors = rise_errors(self.specimen, self.preset_error, field_points)
         is_outside, is_film_unknown = self.films(points._replace(load=load, velocity=velocity))
         return Rises(
             load, velocity, np.where(is_inside, log_rise, np.nan),
@@ -257,8 +257,8 @@ class VerdictModel:
             objections = self.evidence.objections(VERDICTS[code], points.take(is_ruled_out))
             reasons[is_ruled_out] = objections
         warned = ((self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0).astype(float)
-        places = self.field.places(load, velocity)
-        is_at_edge = places.bilinear(warned) > 0
+        field_points = self.field.at(load, velocity)
+        is_at_edge = field_points.bilinear(warned) > 0
         flags = is_at_edge * int(Flag.CONTACT_AT_EDGE) + is_film_unknown * int(Flag.FILM_UNKNOWN)
         has_no_verdict = is_outside | ~is_known
         low, probability, high = np.where(has_no_verdict, np.nan, probabilities)
@@ -266,7 +266,8 @@ class VerdictModel:
         temperature_rise = points.friction * rise_per_friction
         temperature = points.bulk_temperature + temperature_rise
         critical = known_critical_temperature(self.conditions)
-        origins = np.select((places.is_point, places.is_extrapolated), (0, 2), 1)  # of `ORIGINS`
+        # As in `ORIGINS`: simulated, interpolated, extrapolated.
+        origins = np.select((field_points.is_known, field_points.is_extrapolated), (0, 2), 1)
         parts = {
             f"temperature_error_{part}": temperature_rise * part_error
             for part, part_error in zip(PARTS, errors, strict=True)
@@ -354,13 +355,13 @@ class VerdictModel:
         is_known = case.done & (ratios > 0)
         count = is_known.sum(axis=0)
         means = np.where(is_known, ratios, 0.0).sum(axis=0) / np.where(count > 0, count, np.nan)
-        ratio = self.field.places(points.load, points.velocity).bilinear(means)
+        ratio = self.field.at(points.load, points.velocity).bilinear(means)
         return {"end_temperature": bulks + ratio * (temperatures - bulks)}
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (5, k)."""
-        places = self.field.places(loads, velocities)
-        parts = rise_errors(self.specimen, self.preset_error, places)
+        field_points = self.field.at(loads, velocities)
+        parts = rise_errors(self.specimen, self.preset_error, field_points)
         return velocity_errors(self.field, parts, loads, velocities)
 
 

@@ -109,8 +109,8 @@ class Search:
     def errors(self) -> Array:
         """Relative errors of `critical` by part (5, n_load), see `velocity_errors`."""
         field = self.specimen.field
-        places = field.places(self.loads, self.critical)
-        parts = rise_errors(self.specimen, self.preset_error, places)
+        crossings = field.at(self.loads, self.critical)
+        parts = rise_errors(self.specimen, self.preset_error, crossings)
         return velocity_errors(field, parts, self.loads, self.critical)
 
     @cached_property
@@ -263,8 +263,8 @@ class Search:
         if self.specimen.position_limit:
             deviation = math.hypot(1, POSITION_SHARE) * deviation
         only = np.eye(len(self.loads))[..., None] * np.nan_to_num(deviation)
-        places = field.places(*point)
-        errors = [places.bilinear(deviation) for deviation in only]
+        crossings = field.at(*point)
+        errors = [crossings.bilinear(deviation) for deviation in only]
         return np.asarray(np.transpose(errors) / exponents(field, *point)[:, None])
 
     def _further_realization_points(self, loads: set[int]) -> list[PointIndex]:

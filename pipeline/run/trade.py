@@ -146,7 +146,7 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[MeasuredCos
     realization_counts = specimen.realizations[crosses]
     bound = realizations_share(realization_counts, specimen.is_highest, specimen.freedom[crosses])
     bound = bound if specimen.is_highest else bound * np.sqrt(realization_counts / realizations)
-    deviation = field.places(loads, critical).bilinear(specimen.mean.deviation)
+    deviation = field.at(loads, critical).bilinear(specimen.mean.deviation)
     surface = bound * deviation / exponent
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():

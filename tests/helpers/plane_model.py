@@ -128,7 +128,7 @@ class Verdict(NamedTuple):
         field, specimen = search.specimen.field, search.specimen
         limits = np.full(len(between), search.limit)
         critical = field.along_velocity(between, limits).critical
-        parts = rise_errors(specimen, search.promised, field.places(between, critical))
+        parts = rise_errors(specimen, search.promised, field.at(between, critical))
         parts = velocity_errors(field, parts, between, critical)
         return cls(
             points=int(search.asked.sum()),

@@ -143,7 +143,7 @@ def flags_around(plane, loads, velocities):
     columns = [
         np.where(is_node, np.searchsorted(plane.field.velocities, velocities), k) for k in ends
     ]
-    rows = plane.field.places(loads, velocities).rows
+    rows = plane.field.at(loads, velocities).rows
     return np.bitwise_or.reduce([plane.flags[i, j] for i in rows for j in columns])
 
 
@@ -153,8 +153,8 @@ def position_errors(row, preset, name):
     loads, velocities = (
         axis.ravel() for axis in np.meshgrid(row["all_loads"], row["all_velocities"], indexing="ij")
     )
-    places = plane.field.places(loads, velocities)
-    stated = rise_errors(plane, preset_bound(preset, CRITERIA[name]), places)
+    points = plane.field.at(loads, velocities)
+    stated = rise_errors(plane, preset_bound(preset, CRITERIA[name]), points)
     frame = pd.DataFrame(
         {
             "preset": preset,
@@ -162,7 +162,7 @@ def position_errors(row, preset, name):
             "at_load": np.isin(loads, plane.field.loads),
             "at_velocity": np.isin(velocities, plane.field.velocities),
             "flags": flags_around(plane, loads, velocities),
-            "error": np.exp(places.values) / true.ravel() - 1,
+            "error": np.exp(points.values) / true.ravel() - 1,
             "between": stated[INTERPOLATION],
             "stated": total(stated),
             "scene": row["name"],
@@ -184,9 +184,9 @@ def beyond(row):
     for load, is_known, values in zip(field.loads, is_kept, log_rises, strict=True):
         if is_known.sum() < 2:
             continue
-        places = plane.field.places(np.full((~is_known).sum(), load), field.velocities[~is_known])
-        excess = np.exp(places.values - values[~is_known]) - 1
-        yield from excess / rise_errors(plane, 0.0, places)[INTERPOLATION]
+        points = plane.field.at(np.full((~is_known).sum(), load), field.velocities[~is_known])
+        excess = np.exp(points.values - values[~is_known]) - 1
+        yield from excess / rise_errors(plane, 0.0, points)[INTERPOLATION]
 
 
 def rms(values):

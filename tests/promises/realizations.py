@@ -127,8 +127,8 @@ def stated(ds):
     (case,) = cases_of(ds)
     model = verdict_model(case, case.sweep.conditions)
     velocities = np.repeat(ds["velocity"].values, ds.sizes["load"])
-    places = model.field.places(ds["load"].values, velocities)
-    return places.values, rise_errors(model.specimen, model.preset_error, places)[SURFACE]
+    points = model.field.at(ds["load"].values, velocities)
+    return points.values, rise_errors(model.specimen, model.preset_error, points)[SURFACE]
 
 
 def parts(ds, first, sizes):

@@ -35,7 +35,7 @@ def field():
 
 
 def errors(specimen, loads, velocities):
-    along, between = interpolation_errors(specimen, specimen.field.places(loads, velocities))
+    along, between = interpolation_errors(specimen, specimen.field.at(loads, velocities))
     return np.hypot(along.sum(axis=0), between)
 
 
@@ -121,7 +121,7 @@ def test_the_bounds_between_points_are_these_numbers():
     unseen = math.hypot(0.25 * 0.4**2 / 8, 0.008 * 0.4)  # two points show no curvature
     assert curve_errors(x[:2], 0.6 * x[:2], np.array([0.2])) == pytest.approx([unseen], rel=1e-9)
     specimen = straight()
-    at = specimen.field.places(np.array([400 * math.exp(0.25)]), np.array([math.exp(0.5)]))
+    at = specimen.field.at(np.array([400 * math.exp(0.25)]), np.array([math.exp(0.5)]))
     along, between = interpolation_errors(specimen, at)
     assert between == pytest.approx([math.hypot(0.1 * 0.5**2 / 8, 0.03 * 0.5)], rel=1e-9)
     # The exponents 0.6 of load and of velocity are equal: so are the changes along a boundary.
@@ -141,7 +141,7 @@ def test_a_load_off_the_line_of_others_is_an_error_unless_its_realizations_scatt
     y = y[..., None] + 0.6 * np.log(velocities)
     unit = np.ones(y.shape[1:])
     specimen = merge_realizations(np.exp(x), velocities, y, 0 * unit, 0 * unit.astype(int), unit)
-    at = specimen.field.places(np.exp(x[1:3] + 0.05), np.exp([0.5, 0.5]))
+    at = specimen.field.at(np.exp(x[1:3] + 0.05), np.exp([0.5, 0.5]))
     _, between = interpolation_errors(specimen, at)
     assert ((least <= between) & (between <= most)).all()
 
@@ -151,7 +151,7 @@ def test_the_error_by_a_preset_is_its_promise_or_that_of_the_rise_over_a_flatter
     slope, factor
 ):
     specimen, at = straight(slope), (np.array([400.0]), np.array([math.exp(0.25)]))
-    parts = rise_errors(specimen, 0.015, specimen.field.places(*at))
+    parts = rise_errors(specimen, 0.015, specimen.field.at(*at))
     assert parts[PRESET] == pytest.approx([0.65 * 0.015], rel=1e-9)
     preset_error = velocity_errors(specimen.field, parts, *at)[PRESET]
     assert preset_error == pytest.approx([0.015 * factor], rel=1e-6)
@@ -165,7 +165,7 @@ def test_a_velocity_off_the_line_is_an_error_unless_it_is_within_the_roughness_o
     y = np.broadcast_to(0.6 * x + 0.8 * ROUGHNESS_DEVIATION * (x == x[4]), (count, 2, 9))
     unit = np.ones((2, 9))
     specimen = merge_realizations(LOADS[:2], np.exp(x), y, 0 * unit, 0 * unit.astype(int), unit)
-    at = specimen.field.places(LOADS[:1], np.exp(x[3:4] + 0.025))
+    at = specimen.field.at(LOADS[:1], np.exp(x[3:4] + 0.025))
     along, _ = interpolation_errors(specimen, at)
     assert least <= along.sum() <= most
 

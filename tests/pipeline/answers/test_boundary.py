@@ -145,5 +145,5 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_has_its_boundary_at_the_lo
 def test_rises_are_interpolated_along_lines_of_equal_rise_up_to_a_slant(exponent, slant):
     loads, velocities = np.array([200.0, 300.0, 400.0]), 2.0 ** np.arange(5)
     field = Field(loads, velocities, exponent * np.log(loads)[:, None] + np.log(velocities))
-    along = field.places(np.array([250.0]), np.array([4.0])).row_velocities[:, 0]
+    along = field.at(np.array([250.0]), np.array([4.0])).row_velocities[:, 0]
     np.testing.assert_allclose(along, 4.0 * (250.0 / loads) ** slant)

@@ -25,7 +25,7 @@ def specimen_of(count=1, sampling=0.02, freedom=7.0, limit=LIMIT):
 
 
 def parts_of(specimen):
-    return rise_errors(specimen, 0.011, specimen.field.places(LOADS, VELOCITIES[:2]))
+    return rise_errors(specimen, 0.011, specimen.field.at(LOADS, VELOCITIES[:2]))
 
 
 @pytest.mark.parametrize(("sampling", "expected"), [(0.004, 0.4 * 2.3646 * 0.004), (0.02, LIMIT)])
