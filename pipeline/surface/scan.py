@@ -139,7 +139,7 @@ def _array(content: bytes) -> Array:
             f"an array of shape {array.shape} and type {array.dtype}; give a two-dimensional array "
             "of real numbers, a row for each y"
         )
-    return np.atleast_2d(array).astype(float)
+    return np.array(array, dtype=float, ndmin=2)
 
 
 def _matrix(content: bytes) -> Array:

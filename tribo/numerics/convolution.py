@@ -44,11 +44,11 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
     return np.where(index <= (n - 1) // 2, index, index - n)
 
 
-def _coarse_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
+def _coarse_kernel(kernel: NDArray[Any], offsets: Indices, axis: int) -> NDArray[Any]:
     """Kernel along `axis` for elements twice as long: two short sources, mean over two targets."""
-    neighbours = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
-    aligned: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
-    return aligned + (neighbours[0] + neighbours[1]) / 2
+    before, at, after = (kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 0, 1))
+    coarse: NDArray[Any] = at + (before + after) / 2
+    return coarse
 
 
 class Convolution:

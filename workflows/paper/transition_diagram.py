@@ -106,8 +106,8 @@ def _draw(ds: xr.Dataset, crossings: xr.Dataset) -> Figure:
     known = np.isfinite(velocities)
     for text in axes.texts:  # away from the line of local wear
         if text.get_gid() == "region" and text.get_text().startswith("severe"):
-            corner = axes.get_xlim()[1], axes.get_ylim()[1]
-            text.set_position(np.mean([text.get_position(), corner], axis=0))
+            (x, y), right, top = text.get_position(), axes.get_xlim()[1], axes.get_ylim()[1]
+            text.set_position(((x + right) / 2, (y + top) / 2))
     axes.plot(velocities[known], loads[known], color=GREEN, ls="-.", lw=1.8, gid="local wear")
     axes.annotate(
         "local wear" if known.any() else "local wear: mild throughout",
